@@ -200,14 +200,15 @@ class ChainBeside {
     }
     const Triangle& triangle = scene_.triangles[static_cast<std::size_t>(pixel_.record.triangle)];
     pixel_.texture = std::max(triangle.texture, -1);
-    if (has_vertex_fog(pipeline_.fog.mode)) {
-      std::size_t at = next_channel_;
-      while (channel_line(trace_.fragment_channel[at].channel) != LineId::fog) ++at;
-      FragmentChannelRecord factor = trace_.fragment_channel[at];
+    model::FragmentChannels own{};
+    for (std::size_t c = 0; c < channels(); ++c) {
+      own[c] = trace_.fragment_channel[next_channel_ + c];
       // A row of constant depth is offered before the record with a channel's start is there.
-      if (!pipeline_.const_depth_rows) take_channel(config_, rtl, factor);
-      pixel_.factor = factor.w;
+      if (!pipeline_.const_depth_rows) take_channel(config_, rtl, own[c]);
     }
+    FragmentRecord drawn;
+    pixel_.record = model::as_drawn(pipeline_.channels, pixel_.record, &own, drawn);
+    if (has_vertex_fog(pipeline_.fog.mode)) pixel_.factor = model::channel_value(own, LineId::fog);
     pixel_.back = state_.stencil_test && model::is_back_face(pipeline_.setup, triangle);
     pixel_stands_ = true;
   }

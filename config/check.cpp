@@ -205,6 +205,28 @@ Result check_memory(const Config& c) {
   return too_short(has_cache(m.color_cache.mode), "memory.color_cache_line_bytes", m.color_cache.line_bytes);
 }
 
+// The modes that channels stand in for lines of the fragment.
+Result check_lines(const Config& c) {
+  const auto undivided = [&](std::string_view key, std::string_view value) {
+    return Violation{std::string(key), "is " + std::string(value) +
+                                           ", and needs a quotient per pixel; legal: another value, or "
+                                           "perspective.mode = delta_f, hyperbolic without subspan_bits"};
+  };
+  const bool divides = divides_each_pixel(c);
+  if (has_perspective_shades(c.shade_lines) && !divides) {
+    return undivided("perspective.shades", to_string(c.shade_lines));
+  }
+  if (has_second_coordinates(c.second_coordinates) && !divides) {
+    return undivided("texture.second", to_string(c.second_coordinates));
+  }
+  if (has_own_depth(c.depth_line) && !takes_any_line(c.depth_code)) {
+    return Violation{"depth.line",
+                     "is " + std::string(to_string(c.depth_line)) +
+                         ", and the code takes h + B; legal: h, or depth.code = inverse, opengl"};
+  }
+  return std::nullopt;
+}
+
 Result check_exact(const Config& c) {
   for (const ExactIntermediate& x : exact_intermediates(c)) {
     if (x.bits <= exact_bits_limit) continue;
@@ -268,6 +290,7 @@ Result first_violation(const Config& c) {
                      "is " + std::string(to_string(c.project)) +
                          ", and forms depth codes of h alone; legal: none, or depth.code = inverse, opengl"};
   }
+  if (auto v = check_lines(c)) return v;
   if (c.depth_overflow == Overflow::wrap_sm) {
     return Violation{
         "depth.overflow",

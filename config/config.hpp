@@ -28,15 +28,21 @@ BITSPAN_ENUM(EdgeWalk, exact, dda);
 BITSPAN_ENUM(DdaUpdate, accumulate, multiply);
 BITSPAN_ENUM(Perspective, delta_f, const_depth_rows, hyperbolic, affine);
 BITSPAN_ENUM(Numerator, pixel_centre, ideal_line);
+// Colour and alpha are linear on the screen, or linear in space: then each pixel divides them, as u and v.
+BITSPAN_ENUM(ShadeLines, linear, perspective);
 BITSPAN_ENUM(SlopeForm, divide, reciprocal);
 // What a row starts from: its ends, by slopes of one of these forms; or the plane of its triangle.
 BITSPAN_ENUM(RowSlope, divide, reciprocal, plane);
 BITSPAN_ENUM(ReciprocalKind, restoring, lut_linear, lut_newton, lut_quadratic);
 BITSPAN_ENUM(DepthCode, inverse, linear, opengl, w_float, float_dz);
+// What the depth code is of: h, which follows from the distance; or the channel z, a line of its own.
+BITSPAN_ENUM(DepthLine, h, z);
 // By distance: `less` passes what is nearer, whatever the direction of the code.
 BITSPAN_ENUM(DepthFunc, never, less, equal, lequal, greater, notequal, gequal, always);
 BITSPAN_ENUM(TextureFilter, nearest, bilinear);
 BITSPAN_ENUM(TextureWrap, cyclic, clamp, mirror, border);
+// The coordinates of the second texture unit: those of the first one, or the channels u2 and v2.
+BITSPAN_ENUM(SecondCoordinates, first, own);
 // Levels of a texture's mip chain: the texture alone; the nearest level; the two nearest, mixed.
 BITSPAN_ENUM(MipMode, none, nearest, linear);
 // What a level is chosen by: the bias alone; zones of the distance s; the gradients of u and v on the screen;
@@ -173,6 +179,7 @@ struct Config {
   Perspective perspective = Perspective::delta_f;
   Numerator numerator = Numerator::pixel_centre;
   int subspan_bits = 0;  // delta_f: u and v are exact at each 2^this-th pixel, and linear between them
+  ShadeLines shade_lines = ShadeLines::linear;
 
   // [slope]
   SlopeForm edge_slope = SlopeForm::divide;
@@ -187,6 +194,7 @@ struct Config {
   // [depth]
   int depth_bits = 16;
   DepthCode depth_code = DepthCode::inverse;
+  DepthLine depth_line = DepthLine::h;
   DepthFunc depth_func = DepthFunc::less;
   Rounding depth_rounding = Rounding::trn;
   Overflow depth_overflow = Overflow::sat;
@@ -196,6 +204,7 @@ struct Config {
   TextureWrap wrap = TextureWrap::cyclic;
   Rgba border{};      // of texels outside of the texture, where wrap = border
   Color transparent;  // T4: the reserved texel value
+  SecondCoordinates second_coordinates = SecondCoordinates::first;
 
   MipMode mip = MipMode::none;
 

@@ -500,8 +500,21 @@ void span_setup_channels(const Config& c, List& list, const Unit& row_unit, Grid
     }
   }
 }
-void span_channels(const Config& c, List& list) {
-  for (const LinearLine& l : channel_lines(c)) steps_of_row(list, "span.channel", l);
+void span_channels(const Config& c, List& list, const Unit& pixel_unit) {
+  for (const LinearLine& l : channel_lines(c)) {
+    steps_of_row(list, "span.channel", l);
+    if (!l.line.span_divides) continue;
+    const F acc = l.line.row.acc;
+    const F kept = l.line.row.kept;
+    const Grid q = list.of(F::span_h) + list.of(F::setup_b);
+    if (has_pixel_reciprocal(c.perspective)) {
+      list.product("span.channel", "w = w m 2^-e", {acc, F::span_h, F::setup_b, kept}, nullptr, list.of(acc),
+                   pixel_unit, kept);
+    } else {
+      list.quotient("span.channel", "w = w / (h + B)", {acc, F::span_h, F::setup_b, kept}, list.of(acc), q,
+                    kept);
+    }
+  }
 }
 
 void depth(const Config& c, List& list, const Unit& pixel_unit) {
@@ -635,9 +648,9 @@ void texture(const Config& c, List& list) {
     list.value("texture", "alpha of V = alpha of V_l (1 - f) + alpha of V_l+1 f",
                {F::texture_alpha, F::lod_frac}, alpha * rest + alpha * f, F::texture_alpha);
   }
-  list.value("texture", "r = V_r r", {F::texture_mix, F::span_shade, F::texture_color},
-             mix * list.of(F::span_shade), F::texture_color);
-  list.value("texture", "a = V_a a", {F::texture_alpha, F::span_shade}, alpha * list.of(F::span_shade),
+  list.value("texture", "r = V_r r", {F::texture_mix, shade_factor(c), F::texture_color},
+             mix * list.of(shade_factor(c)), F::texture_color);
+  list.value("texture", "a = V_a a", {F::texture_alpha, shade_factor(c)}, alpha * list.of(shade_factor(c)),
              F::texture_alpha);
 }
 
@@ -746,7 +759,7 @@ std::vector<ExactIntermediate> exact_intermediates(const Config& c) {
   span_setup(c, list, row_unit, coordinate);
   span_setup_channels(c, list, row_unit, coordinate);
   span(c, list, pixel_unit);
-  span_channels(c, list);
+  span_channels(c, list, pixel_unit);
   depth(c, list, pixel_unit);
   if (has_setup_gradients(c)) gradients(list, coordinate);
   if (has_distance(c)) distance(c, list, pixel_unit);

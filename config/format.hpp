@@ -100,6 +100,16 @@ struct Format {
   X(span_shade_step, "span.shade_step", "1/pixel", "slope of colour and alpha along a span")             \
   X(span_shade_acc, "span.shade_acc", "1", "accumulator of colour and alpha along a span")               \
   X(span_shade, "span.shade", "1", "the fragment's colour and alpha factors")                            \
+  X(shade_grad, "shade.grad", "depth code/pixel", "channels shade_*: their gradients",                   \
+    Format{54, 34, true, Rounding::rnd, Overflow::sat, false})                                           \
+  X(shade_step, "shade.step", "depth code/pixel",                                                        \
+    "channels shade_*: their slopes along an edge, and along a row",                                     \
+    Format{54, 34, true, Rounding::rnd, Overflow::sat, false})                                           \
+  X(shade_acc, "shade.acc", "depth code",                                                                \
+    "channels shade_*: their products with h + B, and the accumulators of these",                        \
+    Format{48, 28, true, Rounding::rnd, Overflow::sat, false})                                           \
+  X(shade_value, "shade.value", "1", "channels shade_*: the fragment's colour and alpha factors",        \
+    Format{13, 1, false, Rounding::rnd, Overflow::sat, false})                                           \
   X(depth_c1, "depth.c1", "1", "scale constant of the linear depth code H6")                             \
   X(depth_c0, "depth.c0", "1", "offset constant of the linear depth code H6")                            \
   X(distance_a, "distance.a", "depth code", "constant A' of the distance",                               \

@@ -17,7 +17,27 @@
 
 namespace bitspan {
 
-enum class LineId : std::uint8_t { h, fu, fv, r, g, b, a, fog, project_x, project_y, project_w, count };
+enum class LineId : std::uint8_t {
+  h,
+  fu,
+  fv,
+  r,
+  g,
+  b,
+  a,
+  fog,
+  project_x,
+  project_y,
+  project_w,
+  shade_r,
+  shade_g,
+  shade_b,
+  shade_a,
+  z,
+  u2,
+  v2,
+  count
+};
 inline constexpr int line_count = static_cast<int>(LineId::count);
 // The lines that every triangle has, and those beside them.
 inline constexpr int fixed_lines = static_cast<int>(LineId::fog);
@@ -45,6 +65,9 @@ struct Line {
   // divides it by this line's value, which is h + B for h. None: the line is linear.
   std::optional<LineId> divisor = std::nullopt;
   std::optional<FormatId> product = std::nullopt;
+  // Of a homogeneous channel: span divides it by h + B, and row.kept is of the quotient. Else its consumer
+  // does.
+  bool span_divides = false;
 
   constexpr bool is_homogeneous() const { return divisor.has_value(); }
   // What is interpolated from: the product, or the vertex itself.
@@ -77,6 +100,38 @@ constexpr Line line_of(LineId id, Perspective perspective) {
     }
     return line;
   };
+  // A channel that is divided as u and v are, by its pixel.
+  const auto divided = [](Line line) {
+    line.divisor = LineId::h;
+    line.span_divides = true;
+    return line;
+  };
+  const auto perspective_shade = [&](std::string_view name) {
+    return divided({.id = id,
+                    .name = name,
+                    .vertex = F::setup_shade,
+                    .edge = {F::shade_step, F::shade_acc, F::shade_acc},
+                    .gradient = F::shade_grad,
+                    .row = {F::shade_step, F::shade_acc, F::shade_value},
+                    .product = F::shade_acc});
+  };
+  const auto second_texture = [&](std::string_view name) {
+    return divided({.id = id,
+                    .name = name,
+                    .vertex = F::setup_uv,
+                    .edge = {F::edge_f_step, F::edge_f, F::edge_f},
+                    .gradient = F::plane_g_grad,
+                    .row = {F::span_f_step, F::span_f, F::span_uv},
+                    .product = F::plane_g});
+  };
+  const auto depth = [&](std::string_view name) {
+    return Line{.id = id,
+                .name = name,
+                .vertex = F::setup_h,
+                .edge = {F::edge_h_step, F::edge_h_acc, F::edge_h, &S::edge_h, F::edge_h},
+                .gradient = F::plane_h_grad,
+                .row = {F::span_h_step, F::span_h, F::span_h, &S::span_h}};
+  };
   // A channel that is linear. The register behind its accumulator rounds by itself.
   const auto channel = [&](std::string_view name, F vertex, F step, F acc, F gradient, F consumer) {
     return Line{.id = id,
@@ -99,12 +154,7 @@ constexpr Line line_of(LineId id, Perspective perspective) {
   };
   switch (id) {
     case LineId::h:
-      return {.id = id,
-              .name = "h",
-              .vertex = F::setup_h,
-              .edge = {F::edge_h_step, F::edge_h_acc, F::edge_h, &S::edge_h, F::edge_h},
-              .gradient = F::plane_h_grad,
-              .row = {F::span_h_step, F::span_h, F::span_h, &S::span_h}};
+      return depth("h");
     case LineId::fu:
       return texture("fu");
     case LineId::fv:
@@ -125,10 +175,29 @@ constexpr Line line_of(LineId id, Perspective perspective) {
       return project("project_y", LineId::project_w);
     case LineId::project_w:
       return project("project_w", LineId::h);
+    case LineId::shade_r:
+      return perspective_shade("shade_r");
+    case LineId::shade_g:
+      return perspective_shade("shade_g");
+    case LineId::shade_b:
+      return perspective_shade("shade_b");
+    case LineId::shade_a:
+      return perspective_shade("shade_a");
+    case LineId::z:
+      return depth("z");
+    case LineId::u2:
+      return second_texture("u2");
+    case LineId::v2:
+      return second_texture("v2");
     case LineId::count:
       break;
   }
   unreachable();
+}
+
+// The register of the colour and alpha factors that texture takes.
+constexpr FormatId shade_factor(const Config& config) {
+  return has_perspective_shades(config.shade_lines) ? FormatId::shade_value : FormatId::span_shade;
 }
 
 // The line of a channel by its number in the records.
@@ -151,6 +220,16 @@ constexpr bool has_channel(const Config& config, LineId line) {
     case LineId::project_y:
     case LineId::project_w:
       return has_project(config.project);
+    case LineId::shade_r:
+    case LineId::shade_g:
+    case LineId::shade_b:
+    case LineId::shade_a:
+      return has_perspective_shades(config.shade_lines);
+    case LineId::z:
+      return has_own_depth(config.depth_line);
+    case LineId::u2:
+    case LineId::v2:
+      return has_second_coordinates(config.second_coordinates);
   }
   unreachable();
 }

@@ -147,6 +147,39 @@ constexpr bool is_on_ideal_line(Numerator n) {
   unreachable();
 }
 
+// Colour and alpha are those of the channels shade_*, which each pixel divides.
+constexpr bool has_perspective_shades(ShadeLines lines) {
+  switch (lines) {
+    case ShadeLines::linear:
+      return false;
+    case ShadeLines::perspective:
+      return true;
+  }
+  unreachable();
+}
+
+// The depth code is of the channel z in the place of h.
+constexpr bool has_own_depth(DepthLine line) {
+  switch (line) {
+    case DepthLine::h:
+      return false;
+    case DepthLine::z:
+      return true;
+  }
+  unreachable();
+}
+
+// The second texture unit looks up where the channels u2 and v2 say.
+constexpr bool has_second_coordinates(SecondCoordinates coordinates) {
+  switch (coordinates) {
+    case SecondCoordinates::first:
+      return false;
+    case SecondCoordinates::own:
+      return true;
+  }
+  unreachable();
+}
+
 // ---------------------------------------------------------------- divisions
 
 // Slopes over one length share its reciprocal; elsewhere each is a quotient.
@@ -332,6 +365,25 @@ constexpr bool is_complement_of_h(DepthCode code) {
 // Between pixels with exact u and v there are some with linear ones.
 constexpr bool has_subspans(const Config& config) {
   return config.subspan_bits > 0 && has_pixel_reciprocal(config.perspective);
+}
+
+// Each pixel has a quotient of its own, by R_pixel or by division: what a divided channel asks for.
+constexpr bool divides_each_pixel(const Config& config) {
+  return !has_linear_texture(config.perspective) && !has_subspans(config);
+}
+
+// The depth code is formed of h alone, so that another line may take its place.
+constexpr bool takes_any_line(DepthCode code) {
+  switch (code) {
+    case DepthCode::inverse:
+    case DepthCode::opengl:
+      return true;
+    case DepthCode::linear:
+    case DepthCode::w_float:
+    case DepthCode::float_dz:
+      return false;
+  }
+  unreachable();
 }
 
 // ---------------------------------------------------------------- RTL
@@ -692,8 +744,8 @@ constexpr bool has_levels_in_rtl(const Config& config) { return has_lod(config) 
 // rtl/pixel_pipe.sv has every stage behind span that the configuration asks for, in the mode that it asks
 // for.
 constexpr bool pixel_stages_are_in_rtl(const Config& config) {
-  return is_in_rtl(config.depth_code) && is_in_rtl(config.filter) && is_in_rtl(config.wrap) &&
-         (!has_lod(config) || is_in_rtl(config.lod)) && is_in_rtl(config.fog);
+  return is_in_rtl(config.depth_code) && !has_own_depth(config.depth_line) && is_in_rtl(config.filter) &&
+         is_in_rtl(config.wrap) && (!has_lod(config) || is_in_rtl(config.lod)) && is_in_rtl(config.fog);
 }
 
 // ---------------------------------------------------------------- distance

@@ -79,7 +79,7 @@ TextureTiming texture_timing(const Config& config) {
   const Format& frac = config.format(F::texture_frac);
   const Grid mix = grid_of(config.format(F::texture_mix));
   const Grid alpha = grid_of(config.format(F::texture_alpha));
-  const int shade = signed_bits(config.format(F::span_shade));
+  const int shade = signed_bits(config.format(shade_factor(config)));
   TextureTiming t;
   t.filter_product = std::max(blend_product(mix, mix, frac), blend_product(alpha, alpha, frac));
   const Format& share = config.format(F::lod_frac);

@@ -25,6 +25,13 @@ int restoring_clocks(const Reciprocal& unit, int iterations) {
   return unit.pipelined ? iterations : bits_per_cycle(unit) * (iterations + 1);
 }
 
+// Channels take dividers of their own.
+bool has_channel_dividers(const Config& c) {
+  return has_pixel_quotients(c.perspective) && std::ranges::any_of(ChannelList(c), [&](int channel) {
+           return line_of(channel_line(channel), c.perspective).span_divides;
+         });
+}
+
 bool row_divides(const Config& c) {
   return !has_plane_rows(c.perspective) && !shares_reciprocal(form_of(c.row_slope));
 }
@@ -32,8 +39,9 @@ bool row_divides(const Config& c) {
 }  // namespace
 
 bool has_rtl(const Config& config) {
-  return is_in_rtl(config.row_slope) && (!has_pixel_reciprocal(config.perspective) ||
-                                         (config.pixel_reciprocal.pipelined && !has_subspans(config)));
+  return is_in_rtl(config.row_slope) && !has_channel_dividers(config) &&
+         (!has_pixel_reciprocal(config.perspective) ||
+          (config.pixel_reciprocal.pipelined && !has_subspans(config)));
 }
 
 int pixel_index_bits(const Config& config) {
@@ -283,11 +291,21 @@ RtlTiming rtl_timing(const Config& config) {
     throw InputError(config.name +
                      ": slope.row is plane, which the RTL does not have; it needs divide or reciprocal");
   }
+  if (has_channel_dividers(config)) {
+    throw InputError(
+        config.name +
+        ": perspective.mode is hyperbolic, where the RTL divides u and v alone; channels that are "
+        "divided, of perspective.shades and texture.second, need delta_f");
+  }
   if (!has_rtl(config)) {
     throw InputError(
         config.name +
         ": reciprocal.pixel.pipelined is false; the RTL makes one pixel per clock and needs true");
   }
+  return timing_with_dividers(config);
+}
+
+RtlTiming timing_with_dividers(const Config& config) {
   RtlTiming t;
   t.row = row_schedule(config);
   if (has_pixel_reciprocal(config.perspective)) {

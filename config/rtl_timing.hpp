@@ -15,8 +15,9 @@
 
 namespace bitspan {
 
-// Whether the RTL has the configuration: no rows by a triangle's plane, and, where there is a pixel unit, one
-// that is pipelined, for one pixel per clock, and that every pixel takes.
+// Whether the RTL has the configuration: no rows by a triangle's plane, no dividers but those of u and v,
+// and, where there is a pixel unit, one that is pipelined, for one pixel per clock, and that every pixel
+// takes.
 bool has_rtl(const Config& config);
 
 // Width of the RTL's pixel index and count, unsigned: every pixel in the viewport that a record can name.
@@ -132,6 +133,9 @@ struct RtlTiming {
 
 // Throws InputError where the configuration has no RTL.
 RtlTiming rtl_timing(const Config& config);
+// The timed model's clocks in hyperbolic with channels that are divided, which the RTL does not have: by
+// dividers of their own, beside those of u and v. Elsewhere those of rtl_timing.
+RtlTiming timing_with_dividers(const Config& config);
 
 // The timed model's clocks of span_setup with slope.row = plane, which the RTL does not have: in the place of
 // a slope's product stands gradient times Y, in that of a start's gradient times X; docs/timing.md.

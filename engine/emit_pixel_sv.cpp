@@ -115,7 +115,7 @@ void texture_section(SvWriter& w, const Config& config, const PixelTiming& timin
   w.line("  // texture. A texel's address counts texels.");
   formats(w, config,
           {{"SpanUv", FormatId::span_uv},
-           {"SpanShade", FormatId::span_shade},
+           {"SpanShade", shade_factor(config)},
            {"TextureFrac", FormatId::texture_frac},
            {"TextureMix", FormatId::texture_mix},
            {"TextureColor", FormatId::texture_color},

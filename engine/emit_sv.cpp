@@ -71,6 +71,14 @@ void lines_section(SvWriter& w, const Config& config, const RowSchedule& schedul
   w.line("  // At a row's ends; the slope along the row; the register that adds it up.");
   registers("End", [](const Line& line) { return line.edge.kept; });
   registers("Step", [](const Line& line) { return line.row.step; });
+  std::vector<int> divided;
+  for (const LineId line : lines) {
+    const bool divides = line_of(line, config.perspective).span_divides;
+    divided.push_back(!divides ? 0 : divided.back() == 1 ? 2 : 1);
+  }
+  w.line(
+      "  // Channels that span divides: 1 and 2 are the first and the second one of a pair. 0: the others.");
+  list(w, "LineDivided", divided);
   std::vector<LineId> channels;
   for (const int channel : ChannelList(config)) channels.push_back(channel_line(channel));
   if (!channels.empty())

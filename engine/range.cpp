@@ -225,6 +225,8 @@ class RangeCheck {
   void look(std::span<const Triangle> triangles, std::int64_t first, RangeBy by) {
     if (view_.fog && has_vertex_fog(c_.fog)) vertex_fog(triangles, first);
     if (view_.projector && has_project(c_.project)) vertex_projection(triangles, first);
+    if (has_perspective_shades(c_.shade_lines)) vertex_shades(triangles, first);
+    if (has_second_coordinates(c_.second_coordinates)) vertex_second(triangles, first);
     if (by == RangeBy::bounds && surely_held(triangles)) return;
     for (const Triangle& t : triangles) triangle(t, first++);
   }
@@ -420,24 +422,48 @@ class RangeCheck {
     }
   }
 
-  // The products are linear on the screen, so that what lies at the vertices bounds them.
-  void vertex_projection(std::span<const Triangle> triangles, std::int64_t index) {
+  // Calls f(vertex, its h, index) for those of triangles that have an area. A channel's products are linear
+  // on the screen, so that what lies at the vertices bounds them.
+  template <class F>
+  void for_each_vertex(std::span<const Triangle> triangles, std::int64_t index, F f) {
     for (const Triangle& triangle : triangles) {
       std::array<Point, 3> p{};
       for (std::size_t i = 0; i < 3; ++i) p[i] = vertex(triangle.v[i], index);
-      const bool recorded = area_of(p) != 0;
-      for (std::size_t i = 0; recorded && i < 3; ++i) {
-        const Vertex& v = triangle.v[i];
-        for (const double at : {v.project_x, v.project_y, v.project_w}) {
-          const Real w = std::ldexp(static_cast<Real>(at), -projector_exponent_);
-          const Real product = q(F::project_vertex, w) * (p[i].h + b_);
-          add(F::project_vertex, w, index);
-          add(F::project_acc, product, index);
-          add(F::project_value, q(F::project_acc, product), index);
-        }
-      }
+      for (std::size_t i = 0; area_of(p) != 0 && i < 3; ++i) f(triangle.v[i], p[i].h, index);
       ++index;
     }
+  }
+  void vertex_shades(std::span<const Triangle> triangles, std::int64_t first) {
+    for_each_vertex(triangles, first, [this](const Vertex& v, Real h, std::int64_t index) {
+      for (const double shade : v.c) {
+        const Real kept = q(F::setup_shade, shade);
+        add(F::shade_acc, kept * (h + b_), index);
+        add(F::shade_value, kept, index);
+      }
+    });
+  }
+  void vertex_second(std::span<const Triangle> triangles, std::int64_t first) {
+    for_each_vertex(triangles, first, [this](const Vertex& v, Real h, std::int64_t index) {
+      for (const double w : {v.u2, v.v2}) {
+        const Real product = q(F::plane_g, q(F::setup_uv, w) * (h + b_));
+        add(F::setup_uv, w, index);
+        add(F::plane_g, q(F::setup_uv, w) * (h + b_), index);
+        add(F::edge_f, product, index);
+        add(F::span_f, q(F::edge_f, product), index);
+        add(F::span_uv, w, index);
+      }
+    });
+  }
+  void vertex_projection(std::span<const Triangle> triangles, std::int64_t first) {
+    for_each_vertex(triangles, first, [this](const Vertex& v, Real h, std::int64_t index) {
+      for (const double at : {v.project_x, v.project_y, v.project_w}) {
+        const Real w = std::ldexp(static_cast<Real>(at), -projector_exponent_);
+        const Real product = q(F::project_vertex, w) * (h + b_);
+        add(F::project_vertex, w, index);
+        add(F::project_acc, product, index);
+        add(F::project_value, q(F::project_acc, product), index);
+      }
+    });
   }
 
   // Notes a register of h and gives its values. By the rounding of B, h may pass hmax a little: a saturating

@@ -28,7 +28,7 @@ void check_draws_rows(const Config& config, const AnyRow& row) {
   if (ChannelList(config).size() > 0) {
     throw InputError(
         "the configuration has channels, which are interpolated over a triangle, and a row has none; "
-        "legal: draw triangles, or another fog.mode");
+        "legal: draw triangles, or a configuration without channels");
   }
   if (has_dz(config.depth_code)) {
     refuse_gradients("depth.code = " + std::string(to_string(config.depth_code)), "another depth.code");

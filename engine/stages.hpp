@@ -50,13 +50,13 @@ inline constexpr std::optional<Stage> no_clock;
   ROW(X, SpanChannelRecord, BITSPAN_SPAN_CHANNEL_RECORD, "span_setup.channel", span_channel, Stage::span_setup, row, setup_channel, row_channel, span) \
   ROW(X, FragmentRecord,  BITSPAN_FRAGMENT_RECORD,  "span",           fragment,  Stage::span,       pixel,    span)      \
   ROW(X, FragmentChannelRecord, BITSPAN_FRAGMENT_CHANNEL_RECORD, "span.channel", fragment_channel, Stage::span, pixel, span_channel, fragment) \
-  ROW(X, DepthRecord,     BITSPAN_DEPTH_RECORD,     "depth",          depth,     Stage::depth,      pixel,    gradient, fragment) \
+  ROW(X, DepthRecord,     BITSPAN_DEPTH_RECORD,     "depth",          depth,     Stage::depth,      pixel,    gradient, fragment, fragment_channel) \
   ROW(X, StencilRecord,   BITSPAN_STENCIL_RECORD,   "stencil",        stencil,   Stage::depth,      pixel,    fragment, depth) \
   ROW(X, DistanceRecord,  BITSPAN_DISTANCE_RECORD,  "distance",       distance,  Stage::depth,      pixel,    fragment, depth) \
   ROW(X, LodRecord,       BITSPAN_LOD_RECORD,       "lod",            lod,       Stage::depth,      pixel,    gradient, fragment, depth, distance) \
   ROW(X, ProjectRecord,   BITSPAN_PROJECT_RECORD,   "project",        project,   Stage::depth,      pixel,    fragment, fragment_channel) \
-  ROW(X, TextureRecord,   BITSPAN_TEXTURE_RECORD,   "texture",        texture,   Stage::texture,    pixel,    fragment, depth, lod) \
-  ROW(X, TextureSecondRecord, BITSPAN_TEXTURE_SECOND_RECORD, "texture.second", texture_second, Stage::texture, pixel, fragment, depth, lod, project, texture) \
+  ROW(X, TextureRecord,   BITSPAN_TEXTURE_RECORD,   "texture",        texture,   Stage::texture,    pixel,    fragment, fragment_channel, depth, lod) \
+  ROW(X, TextureSecondRecord, BITSPAN_TEXTURE_SECOND_RECORD, "texture.second", texture_second, Stage::texture, pixel, fragment, fragment_channel, depth, lod, project, texture) \
   ROW(X, FogRecord,       BITSPAN_FOG_RECORD,       "fog",            fog,       Stage::fog,        pixel,    fragment, fragment_channel, distance, texture, texture_second) \
   ROW(X, MergeRecord,     BITSPAN_MERGE_RECORD,     "merge",          merge,     Stage::merge,      pixel,    depth, texture, texture_second, fog) \
   ROW(X, MergeAlphaRecord, BITSPAN_MERGE_ALPHA_RECORD, "merge.alpha", merge_alpha, Stage::merge,    pixel,    merge)

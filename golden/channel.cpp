@@ -15,6 +15,14 @@ bool asks_for(const Scene& scene, LineId channel) {
     case LineId::project_y:
     case LineId::project_w:
       return scene.projector.has_value();
+    case LineId::shade_r:
+    case LineId::shade_g:
+    case LineId::shade_b:
+    case LineId::shade_a:
+    case LineId::z:
+    case LineId::u2:
+    case LineId::v2:
+      return true;
     case LineId::h:
     case LineId::fu:
     case LineId::fv:
@@ -38,8 +46,9 @@ std::vector<LineId> channels_in_use(const Config& config, const Scene& scene) {
   return out;
 }
 
-std::int64_t channel_at(LineId channel, const Vertex& vertex, const Constants& constants,
+std::int64_t channel_at(LineId channel, const Vertex& vertex, Quad h, const Constants& constants,
                         const Quantizer<Quad>& q) {
+  const auto narrowed = [&](double w) { return q.raw(q(Quad(w))); };
   // Any double by any power of two of doubles is exact in Quad.
   const auto projected = [&](double w) {
     return q.raw(q(Quad(w) * scalbnq(1, -constants.projector.value().s_exponent)));
@@ -54,6 +63,23 @@ std::int64_t channel_at(LineId channel, const Vertex& vertex, const Constants& c
       return projected(vertex.project_y);
     case LineId::project_w:
       return projected(vertex.project_w);
+    case LineId::shade_r:
+      return narrowed(vertex.c[0]);
+    case LineId::shade_g:
+      return narrowed(vertex.c[1]);
+    case LineId::shade_b:
+      return narrowed(vertex.c[2]);
+    case LineId::shade_a:
+      return narrowed(vertex.c[3]);
+    case LineId::z: {
+      if (vertex.z < 0) return q.raw(h);
+      const Quad z_max = constants.z_max;
+      return q.raw(q(z_max - q(Quad(vertex.z) * z_max)));
+    }
+    case LineId::u2:
+      return narrowed(vertex.u2);
+    case LineId::v2:
+      return narrowed(vertex.v2);
     case LineId::h:
     case LineId::fu:
     case LineId::fv:

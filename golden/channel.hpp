@@ -14,8 +14,9 @@ namespace bitspan::golden {
 
 std::vector<LineId> channels_in_use(const Config& config, const Scene& scene);
 
-// Returns Q of the value at a vertex as a raw value; q is that of the channel's register there.
-std::int64_t channel_at(LineId channel, const Vertex& vertex, const Constants& constants,
+// Returns Q of the value at a vertex as a raw value; q is that of the channel's register there, and h the
+// vertex's as setup has it.
+std::int64_t channel_at(LineId channel, const Vertex& vertex, Quad h, const Constants& constants,
                         const Quantizer<Quad>& q);
 
 }  // namespace bitspan::golden

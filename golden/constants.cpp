@@ -60,6 +60,7 @@ Constants make_constants(const Config& config, const Scene& scene) {
   const Real range = s_max - s_min;
   Constants out;
   out.s_exponent = exponent;
+  out.z_max = std::exp2(config.depth_bits) - 1;
 
   Real c1 = 0;
   Real c0 = 0;

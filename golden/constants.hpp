@@ -23,6 +23,7 @@ struct Constants {
   ConstantsRecord record;
   int s_exponent = 0;                           // E: s is normalised by 2^-E
   std::vector<LineId> channels;                 // those in use
+  double z_max = 0;                             // 2^depth.bits - 1
   double fog_distance = 1;                      // DT, where the scene has fog
   std::optional<ProjectorConstants> projector;  // where the scene has one, and the configuration its unit
 };

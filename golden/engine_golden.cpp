@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "golden/engine_golden.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "config/modes.hpp"
 #include "engine/drawn_scene.hpp"
@@ -11,6 +15,7 @@
 #include "golden/edge_walk.hpp"
 #include "golden/fog.hpp"
 #include "golden/lanes.hpp"
+#include "golden/lines.hpp"
 #include "golden/lod.hpp"
 #include "golden/mask.hpp"
 #include "golden/merge.hpp"
@@ -32,6 +37,15 @@ namespace bitspan {
 namespace {
 
 using namespace golden;
+
+// Channels that depth and the first texture unit read in the place of a fragment's field.
+constexpr std::array<std::pair<LineId, FieldOf<FragmentRecord>>, 5> replaced_fields{{
+    {LineId::z, &FragmentRecord::h},
+    {LineId::shade_r, &FragmentRecord::r},
+    {LineId::shade_g, &FragmentRecord::g},
+    {LineId::shade_b, &FragmentRecord::b},
+    {LineId::shade_a, &FragmentRecord::a},
+}};
 
 class GoldenEngine final : public Engine, public RowEngine {
  public:
@@ -313,7 +327,11 @@ class GoldenEngine final : public Engine, public RowEngine {
           counters_.divides_pixel -= static_cast<std::uint64_t>(subspans * (length - 1));
         }
       }
-      if (has_pixel_quotients(config_.perspective)) counters_.divides_pixel += 2 * count;
+      if (has_pixel_quotients(config_.perspective)) {
+        const auto divided = std::ranges::count_if(
+            constants_.channels, [&](LineId id) { return line_of(id, config_.perspective).span_divides; });
+        counters_.divides_pixel += (2 + static_cast<std::size_t>(divided)) * count;
+      }
       draw_fragments(texture, out);
       if (plane != nullptr) covered = covered.subspan(count);
       begin = i + 1;
@@ -329,6 +347,7 @@ class GoldenEngine final : public Engine, public RowEngine {
     depths_.clear();
     textures_.clear();
     distances_.clear();
+    put_channels(fragments, out);
     std::size_t covered = 0;
     for (const FragmentRecord& fragment : fragments) {
       if (fragment.covered == 0) continue;
@@ -376,6 +395,31 @@ class GoldenEngine final : public Engine, public RowEngine {
     first_channel_ = out.fragment_channel.size();
   }
 
+  // Makes drawn_, the fragments as depth and texture read them, where channels stand for some of their
+  // fields.
+  void put_channels(std::span<const FragmentRecord> fragments, const Trace& out) {
+    drawn_.clear();
+    if (!has_own_depth(config_.depth_line) && !has_perspective_shades(config_.shade_lines)) return;
+    drawn_.assign(fragments.begin(), fragments.end());
+    for (std::size_t i = 0; i < fragments.size(); ++i) {
+      const FragmentChannelRecord* own = channels_of(fragments[i], out);
+      for (const auto& [channel, field] : replaced_fields) {
+        const auto at = std::ranges::find(constants_.channels, channel);
+        if (at != constants_.channels.end()) drawn_[i].*field = own[at - constants_.channels.begin()].w;
+      }
+    }
+  }
+  const FragmentRecord& drawn(const FragmentRecord& fragment, const Trace& out) const {
+    return drawn_.empty() ? fragment : drawn_[static_cast<std::size_t>(&fragment - &out.fragment[first_])];
+  }
+  // Those alive, as the first texture unit reads them.
+  std::span<const FragmentRecord* const> textured(const Trace& out) {
+    if (drawn_.empty()) return alive_;
+    drawn_alive_.clear();
+    for (const FragmentRecord* fragment : alive_) drawn_alive_.push_back(&drawn(*fragment, out));
+    return drawn_alive_;
+  }
+
   // The first of the channels in use of a fragment in out.
   const FragmentChannelRecord* channels_of(const FragmentRecord& fragment, const Trace& out) const {
     const auto at = static_cast<std::size_t>(&fragment - &out.fragment[first_]);
@@ -387,10 +431,11 @@ class GoldenEngine final : public Engine, public RowEngine {
   void run_depth(std::span<const FragmentRecord> all, std::size_t covered, Trace& out) {
     const std::size_t first = out.depth.size();
     if (alive_.size() == covered) {
-      depth_(all, gradient_, state_, frame_.depth, frame_.width, out.depth);
+      depth_(drawn_.empty() ? all : std::span<const FragmentRecord>(drawn_), gradient_, state_, frame_.depth,
+             frame_.width, out.depth);
     } else {
       tested_.clear();
-      for (const FragmentRecord* fragment : alive_) tested_.push_back(*fragment);
+      for (const FragmentRecord* fragment : alive_) tested_.push_back(drawn(*fragment, out));
       depth_(tested_, gradient_, state_, frame_.depth, frame_.width, out.depth);
     }
     std::size_t kept = 0;
@@ -428,10 +473,10 @@ class GoldenEngine final : public Engine, public RowEngine {
                              : &levels_[static_cast<std::size_t>(texture - scene_->textures.data())];
       lod_(alive_, gradient_, distances, levels == nullptr ? 1 : static_cast<int>(levels->size()), state_,
            out.lod);
-      mip_texture_(alive_, std::span<const LodRecord>(out.lod).subspan(first_lod), levels, state_,
+      mip_texture_(textured(out), std::span<const LodRecord>(out.lod).subspan(first_lod), levels, state_,
                    out.texture);
     } else {
-      texture_(alive_, texture, state_, out.texture);
+      texture_(textured(out), texture, state_, out.texture);
     }
     std::span textured_all = std::span<const TextureRecord>(out.texture).subspan(first);
     if (has_second_texture(state_)) {
@@ -475,6 +520,20 @@ class GoldenEngine final : public Engine, public RowEngine {
         has_lod(config_) ? std::span<const Texture>(levels_[index]) : std::span(&scene_->textures[index], 1);
     const std::size_t first_project = out.project.size();
     if (is_projected(state_)) project_(fragments, channels, images.front(), out.project);
+    std::vector<FragmentRecord> own;
+    if (has_second_coordinates(config_.second_coordinates)) {
+      const auto place = [&](LineId id) {
+        return std::ranges::find(constants_.channels, id) - constants_.channels.begin();
+      };
+      const std::ptrdiff_t u2 = place(LineId::u2);
+      const std::ptrdiff_t v2 = place(LineId::v2);
+      for (std::size_t i = 0; i < fragments.size(); ++i) {
+        own.push_back(*fragments[i]);
+        own.back().u = channels[i][u2].w;
+        own.back().v = channels[i][v2].w;
+      }
+      for (std::size_t i = 0; i < fragments.size(); ++i) fragments[i] = &own[i];
+    }
     texture_second_(fragments, before, levels, std::span(out.project).subspan(first_project), images, state_,
                     out.texture_second);
     combined_.assign(firsts.begin(), firsts.end());
@@ -534,6 +593,9 @@ class GoldenEngine final : public Engine, public RowEngine {
   std::vector<const DistanceRecord*> distances_;              // where there are any
   std::vector<const FragmentChannelRecord*> alive_channels_;  // the first of each, where any are in use
   std::vector<FragmentRecord> tested_;
+  // As depth and texture read them, where channels stand for fields: of all, and of those alive.
+  std::vector<FragmentRecord> drawn_;
+  std::vector<const FragmentRecord*> drawn_alive_;
   Frame frame_;
   Targets<Frame> targets_;
   Counters counters_;

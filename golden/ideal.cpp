@@ -31,6 +31,14 @@ using golden::depth_code;
 using golden::h_max;
 using Corner = IdealTriangle::Corner;
 
+// The line z at a vertex.
+long double line_at(const Config& config, const Scene& scene, const Corner& corner) {
+  if (corner.given.z >= 0) {
+    return h_max(config) * (1 - static_cast<long double>(corner.given.z));
+  }
+  return depth_code(config, scene, 1 / corner.s);
+}
+
 IdealPoint blend(const Config& config, const Scene& scene, const IdealTriangle& t,
                  const std::array<long double, 3>& weight) {
   long double q = 0;
@@ -38,6 +46,10 @@ IdealPoint blend(const Config& config, const Scene& scene, const IdealTriangle& 
   long double v = 0;
   std::array<long double, 4> c{};
   std::array<long double, 3> project{};
+  std::array<long double, 2> second{};
+  long double line = 0;
+  const bool perspective = has_perspective_shades(config.shade_lines);
+  const bool own_depth = has_own_depth(config.depth_line);
   for (std::size_t i = 0; i < 3; ++i) {
     const Corner& corner = t.v[i];
     const long double share = weight[i] / corner.s;
@@ -47,7 +59,10 @@ IdealPoint blend(const Config& config, const Scene& scene, const IdealTriangle& 
     project[0] += share * corner.given.project_x;
     project[1] += share * corner.given.project_y;
     project[2] += share * corner.given.project_w;
-    for (std::size_t j = 0; j < 4; ++j) c[j] += weight[i] * corner.c[j];
+    second[0] += share * corner.given.u2;
+    second[1] += share * corner.given.v2;
+    for (std::size_t j = 0; j < 4; ++j) c[j] += (perspective ? share : weight[i]) * corner.c[j];
+    if (own_depth) line += weight[i] * line_at(config, scene, corner);
   }
   IdealPoint out;
   for (const GivenAttribute& attribute : given_attributes) {
@@ -60,7 +75,10 @@ IdealPoint blend(const Config& config, const Scene& scene, const IdealTriangle& 
   out.u = static_cast<double>(u / q);
   out.v = static_cast<double>(v / q);
   for (std::size_t j = 0; j < 3; ++j) out.project[j] = static_cast<double>(project[j] / q);
-  for (std::size_t j = 0; j < 4; ++j) out.shade[j] = static_cast<double>(c[j]);
+  out.u2 = static_cast<double>(second[0] / q);
+  out.v2 = static_cast<double>(second[1] / q);
+  out.line = own_depth ? static_cast<double>(line) : out.h;
+  for (std::size_t j = 0; j < 4; ++j) out.shade[j] = static_cast<double>(perspective ? c[j] / q : c[j]);
   return out;
 }
 
@@ -384,16 +402,16 @@ Unit second_unit(const DrawState& s) { return {second_lookup(s), second_magnifie
 // From texture `index` of the scene, or from its chain, in which lambda is held; levels: null where they are
 // not at hand. Gives false where the transparent code kills the fragment.
 bool sample_texture(const Config& config, const Unit& unit, const DrawState* state, const Scene& scene,
-                    std::size_t index, const golden::SceneLevels* levels, double lambda,
-                    const IdealPoint& point, Texel& out) {
+                    std::size_t index, const golden::SceneLevels* levels, double lambda, double u, double v,
+                    Texel& out) {
   const Texture& texture = scene.textures.at(index);
-  if (!has_lod(config)) return Sampler(config, unit.by, state, texture).sample(point.u, point.v, out);
+  if (!has_lod(config)) return Sampler(config, unit.by, state, texture).sample(u, v, out);
   const std::vector<Texture> own = levels == nullptr ? golden::mip_levels(texture) : std::vector<Texture>();
   const std::vector<Texture>& chain = levels == nullptr ? own : levels->at(index);
   const double last = static_cast<double>(chain.size()) - 1;
   const double held = golden::within(unit.range, lambda);
-  return sample_levels(config, held > 0 ? unit.by : unit.magnified, state, chain, std::min(held, last),
-                       point.u, point.v, out);
+  return sample_levels(config, held > 0 ? unit.by : unit.magnified, state, chain, std::min(held, last), u, v,
+                       out);
 }
 
 // The second texture unit, at its place in the projector's texture.
@@ -426,8 +444,10 @@ void combine(const Config& config, const DrawState& state, const Scene& scene,
     texel = projected_texel(config, state, scene, out.point);
   } else {
     const double lambda = out.lambda + (state.texture1_lod_bias - state.texture_lod_bias) / 16.0;
+    const IdealPoint& p = out.point;
+    const bool own = has_second_coordinates(config.second_coordinates);
     sample_texture(config, second_unit(state), nullptr, scene, static_cast<std::size_t>(state.texture1),
-                   levels, lambda, out.point, texel);
+                   levels, lambda, own ? p.u2 : p.u, own ? p.v2 : p.v, texel);
   }
   const std::array<int, 3> constants{state.texture1_red, state.texture1_green, state.texture1_blue};
   for (std::size_t c = 0; c < 3; ++c) {
@@ -448,7 +468,7 @@ IdealFragment shade(const Config& config, const DrawState& state, const Scene& s
                     const IdealPoint& point, const golden::SceneLevels* levels) {
   IdealFragment out;
   out.point = point;
-  out.z = configured_code(config, scene, point.h, point.s);
+  out.z = configured_code(config, scene, point.line, point.s);
   out.texel = {255, 255, 255, 1};
   if (t.texture >= 0) {
     const auto index = static_cast<std::size_t>(t.texture);
@@ -456,8 +476,8 @@ IdealFragment shade(const Config& config, const DrawState& state, const Scene& s
     const auto side = static_cast<unsigned>(std::max(texture.width, texture.height));
     if (has_lod(config))
       out.lambda = level_of_detail(config, state, scene, t, point, static_cast<int>(std::bit_width(side)));
-    out.killed = !sample_texture(config, first_unit(state), &state, scene, index, levels, out.lambda, point,
-                                 out.texel);
+    out.killed = !sample_texture(config, first_unit(state), &state, scene, index, levels, out.lambda, point.u,
+                                 point.v, out.texel);
   } else if (has_lod(config) && has_second_texture(state)) {
     out.lambda = level_of_detail(config, state, scene, t, point, 1);
   }
@@ -629,7 +649,7 @@ class IdealEngine final : public Engine {
     ++counters_.written;
     if (state_.depth_write) {
       // No distance is beyond s_max, the cleared buffer's, but h of one at s_max may round below 0.
-      planes_.h[i] = std::max(point.h, 0.0);
+      planes_.h[i] = std::max(point.line, 0.0);
       planes_.z[i] = code_of(point);
       if (!planes_.dz.empty()) planes_.dz[i] = triangle_dz_;
     }
@@ -648,7 +668,7 @@ class IdealEngine final : public Engine {
 
   // The unquantised code with the bias, within the register.
   double code_of(const IdealPoint& point) const {
-    return biased(config_, configured_code(config_, *scene_, point.h, point.s), state_.depth_bias);
+    return biased(config_, configured_code(config_, *scene_, point.line, point.s), state_.depth_bias);
   }
   bool depth_passes(const IdealPoint& point, std::size_t i, std::int64_t x, std::int64_t y) {
     bool pass = false;
@@ -661,7 +681,7 @@ class IdealEngine final : public Engine {
       const double sign = nearer_is_larger(config_.depth_code) ? 1 : -1;
       pass = passes(state_.depth_func, sign * code_of(point), sign * planes_.z[i]);
     } else {
-      pass = passes(state_.depth_func, std::max(point.h, 0.0), planes_.h[i]);
+      pass = passes(state_.depth_func, std::max(point.line, 0.0), planes_.h[i]);
     }
     if (state_.stencil_test) {
       const StencilRecord tested =

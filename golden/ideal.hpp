@@ -27,9 +27,11 @@ struct IdealPoint {
   double h = 0;                     // depth code D1, of hmax = 2^depth.bits - 1
   double s = 0;                     // distance, in the scene's unit
   double u = 0, v = 0;              // texels
-  std::array<double, 4> shade{};    // red, green, blue, alpha, 0..1
+  std::array<double, 4> shade{};    // red, green, blue, alpha, 0..1; linear as perspective.shades says
   Attributes given;                 // of given_attributes, linear on the screen
   std::array<double, 3> project{};  // X, Y and W of given_attributes, linear in space
+  double u2 = 0, v2 = 0;            // the same
+  double line = 0;                  // what the depth code is of: h, or the line z
 };
 
 // Where a point lies in the texture of the scene's projector, and its depth code from there.

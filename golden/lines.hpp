@@ -15,8 +15,8 @@ constexpr std::size_t index_of(LineId id) { return static_cast<std::size_t>(id);
 constexpr bool is_channel(LineId id) { return index_of(id) >= fixed_lines; }
 constexpr std::int64_t channel_of(LineId id) { return static_cast<std::int64_t>(id) - fixed_lines; }
 
-// u and v where their numerators are walked: the stages that walk them divide by h + B, too. What a channel
-// is divided by is its consumer's.
+// u and v where their numerators are walked: the stages that walk them divide by h + B, too. A channel is
+// divided at the pixel alone, by span or by its consumer.
 constexpr bool is_divided(const Line& line) { return line.is_homogeneous() && !is_channel(line.id); }
 
 // What a line is walked from: a vertex of a fixed line, whose numerators its stages form anew; what

@@ -569,6 +569,7 @@ class Chooser {
       const Range step = reg(s, line.row.step);
       s.q_sum(w + " + " + w + "_step", {term(reg(s, line.row.acc)), term(step)}, f(line.row.acc));
       reg(s, line.row.kept);
+      if (line.span_divides) quotient(s, line);
     }
     const Range h = range_of(f(FormatId::span_h));
     const Range acc = range_of(f(line_of(LineId::fu, c_.perspective).row.acc));
@@ -590,6 +591,18 @@ class Chooser {
         break;
     }
     return s.choose();
+  }
+
+  // A channel over h + B.
+  void quotient(StageNeeds& s, const Line& line) const {
+    const Range acc = range_of(f(line.row.acc));
+    const Range q = depth_sum(s, range_of(f(FormatId::span_h)));
+    const std::string w(line.name);
+    if (has_pixel_reciprocal(c_.perspective)) {
+      s.q_product(w + " m 2^-e", s.inverse("R_pixel", c_.pixel_reciprocal, q).times(acc), f(line.row.kept));
+    } else {
+      s.q_quotient(w + " / (h + B)", acc, q, f(line.row.kept).fraction());
+    }
   }
 
   Width depth() {
@@ -753,7 +766,7 @@ class Chooser {
 
   Width texture() {
     StageNeeds s("texture", out_.rows);
-    const Range shade = reg(s, FormatId::span_shade);
+    const Range shade = reg(s, shade_factor(c_));
     reg(s, FormatId::texture_color);
     texel(s);
     s.exact("V * shade", product(range_of(f(FormatId::texture_mix)), shade));

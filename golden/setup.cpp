@@ -94,8 +94,8 @@ class Setup {
                 narrowed(LineId::b, in.c[2]),
                 narrowed(LineId::a, in.c[3])};
     for (const Channel& channel : channels_) {
-      out.line[index_of(channel.line.id)] =
-          vertex_[channel.line.id].value(channel_at(channel.line.id, in, constants_, channel.q_vertex));
+      out.line[index_of(channel.line.id)] = vertex_[channel.line.id].value(
+          channel_at(channel.line.id, in, Quad(base_of(h)), constants_, channel.q_vertex));
     }
     return out;
   }

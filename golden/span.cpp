@@ -46,7 +46,7 @@ class SpanWalker {
     for (const Line& line : lines_of(config, constants.channels)) {
       walked_.push_back({line.id, Quantizer<Real>(config.format(line.row.acc)),
                          Quantizer<Real>(config.format(line.row.step)),
-                         Quantizer<Real>(config.format(line.row.kept))});
+                         Quantizer<Real>(config.format(line.row.kept)), line.span_divides});
     }
   }
 
@@ -63,7 +63,7 @@ class SpanWalker {
       const auto n = static_cast<std::size_t>(span.count);
       walk(span, plane, covered, rest.first(n));
       const std::size_t of_span = walked_.size() - fixed_lines;
-      walk_channels(span, channels.first(of_span), plane, out_channels);
+      walk_channels(span, channels.first(of_span), plane, rest.first(n), out_channels);
       channels = channels.subspan(of_span);
       rest = rest.subspan(n);
       if (plane != nullptr) covered = covered.subspan(n);
@@ -84,6 +84,7 @@ class SpanWalker {
   struct WalkedLine {
     LineId id{};
     Quantizer<Real> q, q_step, q_kept;
+    bool divides = false;  // a channel that is the quotient by h + B
   };
 
   // The digital line that the pixels follow; horizontal without a plane.
@@ -175,9 +176,10 @@ class SpanWalker {
     return {&line.q, line.q.value(start), {line.q_step.value(step0), line.q_step.value(step1)}};
   }
 
-  // The channels of the same pixels.
+  // The channels of the same pixels, whose fragments have been walked.
   void walk_channels(const SpanRecord& span, std::span<const SpanChannelRecord> channels,
-                     const PlaneRecord* plane, std::vector<FragmentChannelRecord>& out) const {
+                     const PlaneRecord* plane, std::span<const FragmentRecord> fragments,
+                     std::vector<FragmentChannelRecord>& out) const {
     if (channels.empty()) return;
     std::array<Walked<Real>, channel_limit> registers;
     for (std::size_t k = 0; k < channels.size(); ++k) {
@@ -187,18 +189,27 @@ class SpanWalker {
     DigitalLine line = line_along(span, plane);
     std::int64_t x = span.x;
     std::int64_t y = span.y;
-    for (std::int64_t i = 0; i < span.count; ++i) {
+    const bool divides = std::ranges::any_of(walked_, &WalkedLine::divides);
+    for (const FragmentRecord& fragment : fragments) {
+      const Real q = q_h_.value(fragment.h) + b_;
+      const Inverse<Real> inverse =
+          divides && has_pixel_reciprocal(perspective_) ? unit_(q) : Inverse<Real>{};
       for (std::size_t k = 0; k < channels.size(); ++k) {
         const WalkedLine& of = walked_[fixed_lines + k];
         out.push_back({.triangle = span.triangle,
                        .x = x,
                        .y = y,
                        .channel = channel_of(of.id),
-                       .w = of.q_kept.raw(of.q_kept(registers[k].value))});
+                       .w = of.q_kept.raw(kept(of, registers[k].value, q, inverse))});
       }
       const std::size_t move = line.advance(x, y);
       for (std::size_t k = 0; k < channels.size(); ++k) registers[k].advance(move);
     }
+  }
+  Real kept(const WalkedLine& line, Real value, Real q, const Inverse<Real>& inverse) const {
+    if (!line.divides) return line.q_kept(value);
+    if (has_pixel_reciprocal(perspective_)) return line.q_kept.product(inverse.times(value));
+    return line.q_kept.quotient(value, q <= 0 ? least_ : q);
   }
   DigitalLine line_along(const SpanRecord& span, const PlaneRecord* plane) const {
     return {plane, plane != nullptr ? q_k_.value(plane->k) : Real(0), Real(span.phase) * phase_ulp_};

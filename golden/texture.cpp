@@ -29,7 +29,7 @@ class Texturing : Sampling<Real> {
  public:
   explicit Texturing(const Config& config)
       : Sampling<Real>(config),
-        q_shade_(config.format(FormatId::span_shade)),
+        q_shade_(config.format(shade_factor(config))),
         q_color_(config.format(FormatId::texture_color)),
         alpha_format_(config.format(FormatId::texture_alpha)),
         mixes_levels_(mixes_levels(config.mip)),

@@ -172,7 +172,7 @@ std::shared_ptr<SceneState> described(Scene scene) {
   for (const Triangle& triangle : state->scene.triangles) {
     for (const Vertex& v : triangle.v) {
       state->vertices.push_back({sizeof(bs_vertex), v.x, v.y, v.s, v.u, v.v, v.c[0], v.c[1], v.c[2], v.c[3],
-                                 v.fog, v.project_x, v.project_y, v.project_w});
+                                 v.fog, v.project_x, v.project_y, v.project_w, v.z, v.u2, v.v2});
     }
     state->texture_of.push_back(triangle.texture);
   }
@@ -332,8 +332,9 @@ Triangle triangle_from(const bs_vertex* vertices, std::size_t i, std::int32_t te
                                std::to_string(static_cast<int>(coordinate_limit)));
       }
     }
-    out.v[corner] = {{v.x, v.y, v.s},
-                     {v.u, v.v, {v.r, v.g, v.b, v.a}, v.fog, v.project_x, v.project_y, v.project_w}};
+    out.v[corner] = {
+        {v.x, v.y, v.s},
+        {v.u, v.v, {v.r, v.g, v.b, v.a}, v.fog, v.project_x, v.project_y, v.project_w, v.z, v.u2, v.v2}};
   }
   check_texture(scene, texture, function);
   out.texture = texture;

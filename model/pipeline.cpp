@@ -49,6 +49,10 @@ void prepare_view(Pipeline& p, const Config& config, const Scene& scene, Watch w
   p.span_setup = prepare_span_setup(config, p.constants);
   p.span = prepare_span(config, p.constants);
   p.channels = prepare_channels(config, p.constants, scene);
+  if (has_pixel_quotients(config.perspective)) {
+    p.span.divides_per_fragment += static_cast<int>(
+        std::ranges::count_if(p.channels.in_use, [](const ChannelForm& form) { return form.span_divides; }));
+  }
   p.depth = prepare_depth(config, p.constants);
   if (p.has_distance) p.distance = prepare_distance(config, p.constants, scene, watch);
   if (p.has_lod) p.lod = prepare_lod(config, p.constants, watch);

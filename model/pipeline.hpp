@@ -221,9 +221,11 @@ struct FragmentDrawing {
   TextureSecondRecord second{};
   FogRecord fogged{};
   MergeRecord merged{};
+  FragmentRecord own{}, own_second{};  // where channels stand for fields
 
-  bool passes(const FragmentRecord& fragment, std::size_t at) {
-    depth(pipeline.depth, fragment, gradient, frame.depth[at], z, watch);
+  // drawn: the fragment as_drawn; the records are told to be made from the fragment itself.
+  bool passes(const FragmentRecord& fragment, const FragmentRecord& drawn, std::size_t at) {
+    depth(pipeline.depth, drawn, gradient, frame.depth[at], z, watch);
     finish(fragment, z);
     bool passed = z.pass == 1;
     if (pipeline.stencil.test) {
@@ -236,7 +238,7 @@ struct FragmentDrawing {
     if (passed) ++counters.depth_passed;
     return passed;
   }
-  bool lives(const FragmentRecord& fragment, const FragmentChannels* channels) {
+  bool lives(const FragmentRecord& fragment, const FragmentRecord& drawn, const FragmentChannels* channels) {
     if (pipeline.has_distance) {
       distance(pipeline.distance, fragment, far, watch);
       finish(fragment, far);
@@ -245,15 +247,15 @@ struct FragmentDrawing {
       fragment_lod(pipeline, fragment, image, gradient, far, level, watch);
       finish(fragment, level);
     }
-    fragment_texture(pipeline, fragment, image, level, texel, watch);
+    fragment_texture(pipeline, drawn, image, level, texel, watch);
     finish(fragment, texel);
     if (pipeline.texture_second.is_on() && texel.killed == 0) {
       if (pipeline.project.is_on) {
         project(pipeline.project, fragment, channels, projected, watch);
         finish(fragment, projected);
       }
-      fragment_texture_second(pipeline, fragment, level, texel, pipeline.project.is_on ? &projected : nullptr,
-                              second, watch);
+      fragment_texture_second(pipeline, as_second(pipeline.channels, fragment, channels, own_second), level,
+                              texel, pipeline.project.is_on ? &projected : nullptr, second, watch);
       finish(fragment, second);
       texel = combined(texel, second);
     }
@@ -267,10 +269,11 @@ struct FragmentDrawing {
       return;
     }
     const std::size_t at = pixel_of(frame, fragment);
+    const FragmentRecord& drawn = as_drawn(pipeline.channels, fragment, channels, own);
     if (tests_late) {
-      if (!lives(fragment, channels) || !passes(fragment, at)) return;
+      if (!lives(fragment, drawn, channels) || !passes(fragment, drawn, at)) return;
     } else {
-      if (!passes(fragment, at) || !lives(fragment, channels)) return;
+      if (!passes(fragment, drawn, at) || !lives(fragment, drawn, channels)) return;
     }
     fog(pipeline.fog, fragment, far, texel, fogged, watch, channels);
     finish(fragment, fogged);

@@ -12,6 +12,7 @@
 #include <optional>
 #include <utility>
 
+#include "config/lines.hpp"
 #include "config/modes.hpp"
 #include "report/metrics.hpp"
 
@@ -277,14 +278,39 @@ void ErrorReport::add(const ErrorReport& other) {
   add_tallies(other.picture, picture);
 }
 
+namespace {
+
+// The channels of a fragment, by its place in the trace.
+std::span<const FragmentChannelRecord> channels_of(const Trace& trace, std::size_t fragment) {
+  const std::size_t in_use = trace.fragment_channel.size() / trace.fragment.size();
+  return std::span(trace.fragment_channel).subspan(fragment * in_use, in_use);
+}
+
+}  // namespace
+
 std::span<const FieldQuantity> field_quantities() { return quantities; }
 
 ErrorMeter::ErrorMeter(const Config& config, const Scene& scene) : config_(config), scene_(&scene) {
   using F = FormatId;
-  const std::array<std::optional<F>, row_count> formats{
-      F::setup_h,   F::setup_uv, F::setup_uv, F::edge_x,     F::edge_h, F::edge_uv,       F::edge_uv,
-      F::span_h,    F::span_uv,  F::span_uv,  F::span_shade, {},        F::texture_color, F::fog_factor,
-      F::fog_color, {},          {},          F::span_uv,    F::span_uv};
+  const std::array<std::optional<F>, row_count> formats{F::setup_h,
+                                                        F::setup_uv,
+                                                        F::setup_uv,
+                                                        F::edge_x,
+                                                        F::edge_h,
+                                                        F::edge_uv,
+                                                        F::edge_uv,
+                                                        F::span_h,
+                                                        F::span_uv,
+                                                        F::span_uv,
+                                                        shade_factor(config),
+                                                        {},
+                                                        F::texture_color,
+                                                        F::fog_factor,
+                                                        F::fog_color,
+                                                        {},
+                                                        {},
+                                                        F::span_uv,
+                                                        F::span_uv};
   for (std::size_t i = 0; i < row_count; ++i) {
     const FieldQuantity& q = quantities[i];
     // Depth and colour codes are integers.
@@ -396,7 +422,13 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
       note(row_span_h, r.h, p.h);
       note(row_span_u, r.u, p.u);
       note(row_span_v, r.v, p.v);
-      const std::array<std::int64_t, 4> shade{r.r, r.g, r.b, r.a};
+      std::array<std::int64_t, 4> shade{r.r, r.g, r.b, r.a};
+      if (has_perspective_shades(config_.shade_lines)) {
+        for (const FragmentChannelRecord& channel : channels_of(trace, fragment)) {
+          const auto c = channel.channel - (static_cast<std::int64_t>(LineId::shade_r) - fixed_lines);
+          if (c >= 0 && c < 4) shade[static_cast<std::size_t>(c)] = channel.w;
+        }
+      }
       for (std::size_t i = 0; i < 4; ++i) note(row_span_shade, shade[i], p.shade[i]);
     }
     coverage(truth, n, std::span(trace.fragment).subspan(begin, fragment - begin));

@@ -793,6 +793,74 @@ void add_states(std::vector<SuiteFeature>& out) {
   }
 }
 
+// Every second triangle gives its depth, and all have coordinates for a second texture.
+void own_lines(Scene& scene) {
+  two_textures(scene);
+  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      Vertex& v = scene.triangles[i].v[k];
+      if (i % 2 == 0) v.z = static_cast<double>((3 * i + 5 * k) % 11) / 10;
+      v.u2 = 0.5 * v.v - static_cast<double>(i % 4);
+      v.v2 = 3 - 0.75 * v.u;
+    }
+  }
+}
+
+// Lines that take the places of a fragment's own: shades and coordinates divided per pixel, and a depth.
+void add_own_lines(std::vector<SuiteFeature>& out) {
+  using enum RecordType;
+  const auto add = [&](std::string name, RecordType stage, const SuiteSetting& state, auto set, auto unset) {
+    const auto with = [state](auto change) {
+      return [=](Config& c, Scene& s) {
+        if (!divides_each_pixel(c)) c.perspective = Perspective::delta_f;
+        c.subspan_bits = 0;
+        change(c);
+        state(c, s);
+      };
+    };
+    out.push_back(in({std::move(name), stage, SuiteNeeds::effect, with(set), with(unset)}, own_lines));
+  };
+  const auto shades = [](ShadeLines lines) { return [=](Config& c) { c.shade_lines = lines; }; };
+  const auto second = [](SecondCoordinates of) { return [=](Config& c) { c.second_coordinates = of; }; };
+  const auto depth_of = [](DepthLine line, DepthCode code) {
+    return [=](Config& c) {
+      c.depth_line = line;
+      c.depth_code = code;
+    };
+  };
+  const SuiteSetting plain = in_state({});
+  const auto hyperbolic = [](auto set) {
+    return [=](Config& c) {
+      c.perspective = Perspective::hyperbolic;
+      set(c);
+    };
+  };
+  add("perspective_shades.texture", texture, plain, shades(ShadeLines::perspective),
+      shades(ShadeLines::linear));
+  add("perspective_shades.hyperbolic", texture, plain, hyperbolic(shades(ShadeLines::perspective)),
+      hyperbolic(shades(ShadeLines::linear)));
+  add("perspective_shades.lit", texture, in_state({{"alpha.func", number(CompareFunc::greater)}}),
+      shades(ShadeLines::perspective), shades(ShadeLines::linear));
+  for (const DepthCode code : {DepthCode::inverse, DepthCode::opengl}) {
+    for (const DepthWhen when : {DepthWhen::early, DepthWhen::late}) {
+      add(fmt::format("depth_line.{}_{}", to_string(code), to_string(when)), RecordType::depth,
+          in_state({{"depth.when", number(when)}}), depth_of(DepthLine::z, code),
+          depth_of(DepthLine::h, code));
+    }
+    add(fmt::format("depth_line.{}_bias", to_string(code)), RecordType::depth,
+        in_state({{"depth.bias", -40}}), depth_of(DepthLine::z, code), depth_of(DepthLine::h, code));
+  }
+  for (const TextureOp op : {TextureOp::modulate, TextureOp::decal, TextureOp::add}) {
+    add(fmt::format("second_coordinates.{}", to_string(op)), texture_second,
+        in_state({{"texture1", 1}, {"texture1.op", number(op)}}), second(SecondCoordinates::own),
+        second(SecondCoordinates::first));
+  }
+  add("second_coordinates.hyperbolic", texture_second, in_state({{"texture1", 1}}),
+      hyperbolic(second(SecondCoordinates::own)), hyperbolic(second(SecondCoordinates::first)));
+  add("second_coordinates.smooth", texture_second, in_state({{"texture1", 1}, {"texture1.filter", 1}}),
+      second(SecondCoordinates::own), second(SecondCoordinates::first));
+}
+
 void add_fog_and_merge(std::vector<SuiteFeature>& out) {
   out.push_back(in(choice("fog", &Config::fog, FogMode::linear, RecordType::fog, FogMode::none), fog));
   for (const auto& split : {std::pair{6, 4}, {8, 2}, {5, 0}}) {
@@ -843,6 +911,7 @@ std::vector<SuiteFeature> make_features() {
   add_states(out);
   add_second_texture(out);
   add_projection(out);
+  add_own_lines(out);
   add_lookups(out);
   add_level_choices(out);
   add_fog_and_merge(out);

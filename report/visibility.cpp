@@ -184,6 +184,23 @@ std::string visibility_refusal(const Config& config, const Scene& scene) {
   if (has_x_step(config)) {
     return "raster.edge_walk: a dda's coverage is not that of the exact test; legal for oracles: exact";
   }
+  const bool gives_depth = std::ranges::any_of(scene.triangles, [](const Triangle& t) {
+    return std::ranges::any_of(t.v, [](const Vertex& v) { return v.z >= 0; });
+  });
+  if (has_own_depth(config.depth_line) && gives_depth) {
+    return "depth.line: vertices give a depth of their own, and an oracle goes by the distance; legal for "
+           "oracles: h";
+  }
+  if (has_perspective_shades(config.shade_lines)) {
+    // With these an alpha of 1 comes back from its division as 1, or nearly so.
+    for (const FormatId id :
+         {FormatId::shade_grad, FormatId::shade_step, FormatId::shade_acc, FormatId::shade_value}) {
+      if (config.format(id) != *default_format(config.formats, id)) {
+        return "formats." + std::string(key_of(id)) +
+               ": an alpha of 1 may be 0 behind its division; legal for oracles: the default";
+      }
+    }
+  }
   if (!keeps_alpha(config)) {
     return "formats.*.shade, formats.texture.alpha: an alpha of 1 becomes 0 on its way, so that every "
            "fragment is "

@@ -185,7 +185,9 @@ module span (
   // What a pixel has of the shades, and above them of the channels.
   localparam int UnusedW = Shades ? 0 : 4 * ShadeW;
   localparam int OwnSidesW = bitspan_cfg_pkg::SidesW - UnusedW;
-  logic [bitspan_cfg_pkg::SidesW-1:0] shade, shade_out;
+  // sides: what waited in shade_out, and the channels that are divided.
+  logic [bitspan_cfg_pkg::SidesW-1:0] shade, shade_out, sides;
+  assign sides[4*ShadeW-1:0] = shade_out[4*ShadeW-1:0];
   if (Shades) begin : gen_shades
     for (genvar i = 0; i < 4; i++) begin : gen_shade
       localparam int ShadeAccW = bitspan_cfg_pkg::SpanShadeAccW;
@@ -211,7 +213,7 @@ module span (
     assign shade[4*ShadeW-1:0] = '0;
     assign shade_out[4*ShadeW-1:0] = '0;
     logic unused;
-    assign unused = (^shade) ^ (^shade_out) ^ (^tick_q);
+    assign unused = (^shade) ^ (^sides) ^ (^tick_q);
   end
   // The channels are the last lines. Behind the lines' registers the package has the formats of their values.
   localparam int Channels = bitspan_cfg_pkg::Lines - (Shades ? 7 : 3);
@@ -222,23 +224,30 @@ module span (
     localparam int LineAccAt = bitspan_cfg_pkg::LineAccAt[32*Line+:32];
     localparam int ValueW = bitspan_cfg_pkg::LineAccW[32*Value+:32];
     localparam int ValueAt = 4 * ShadeW + bitspan_cfg_pkg::LineAccAt[32*Value+:32] - bitspan_cfg_pkg::LinesAccW;
-    logic [LineAccW-1:0] own;
-    logic signed [LineAccW:0] exact;
-    assign own = acc_q[LineAccAt+:LineAccW];
-    assign exact = $signed({(bitspan_cfg_pkg::LineAccSigned[32*Line+:32] != 0) & own[LineAccW-1], own});
-    quantize #(
-        .InW(LineAccW + 1),
-        .InFrac(bitspan_cfg_pkg::LineAccFrac[32*Line+:32]),
-        .OutW(ValueW),
-        .OutFrac(bitspan_cfg_pkg::LineAccFrac[32*Value+:32]),
-        .OutSigned(bitspan_cfg_pkg::LineAccSigned[32*Value+:32]),
-        .Rounding(bitspan_cfg_pkg::LineAccRnd[32*Value+:32]),
-        .Overflow(bitspan_cfg_pkg::LineAccOvf[32*Value+:32])
-    ) u_value (
-        .x_i(exact),
-        .sticky_i(1'b0),
-        .q_o(shade[ValueAt+:ValueW])
-    );
+    if (bitspan_cfg_pkg::LineDivided[32*Line+:32] == 0) begin : gen_narrowed
+      logic [LineAccW-1:0] own;
+      logic signed [LineAccW:0] exact;
+      assign own = acc_q[LineAccAt+:LineAccW];
+      assign exact = $signed({(bitspan_cfg_pkg::LineAccSigned[32*Line+:32] != 0) & own[LineAccW-1], own});
+      quantize #(
+          .InW(LineAccW + 1),
+          .InFrac(bitspan_cfg_pkg::LineAccFrac[32*Line+:32]),
+          .OutW(ValueW),
+          .OutFrac(bitspan_cfg_pkg::LineAccFrac[32*Value+:32]),
+          .OutSigned(bitspan_cfg_pkg::LineAccSigned[32*Value+:32]),
+          .Rounding(bitspan_cfg_pkg::LineAccRnd[32*Value+:32]),
+          .Overflow(bitspan_cfg_pkg::LineAccOvf[32*Value+:32])
+      ) u_value (
+          .x_i(exact),
+          .sticky_i(1'b0),
+          .q_o(shade[ValueAt+:ValueW])
+      );
+      assign sides[ValueAt+:ValueW] = shade_out[ValueAt+:ValueW];
+    end else begin : gen_divided
+      assign shade[ValueAt+:ValueW] = '0;
+      logic unused;
+      assign unused = ^shade_out[ValueAt+:ValueW];
+    end
   end
   if (OwnSidesW > 0) begin : gen_sides
     span_delay #(
@@ -280,7 +289,7 @@ module span (
   );
   assign {x_o, step_o, last_o, h_o, fv_o, fu_o, recip_m_o, recip_e_o, v_o, u_o} = buffered[PixelW-1:0];
   if (OwnSidesW > 0) begin : gen_shade_out
-    assign made[OutW-1:PixelW] = shade_out[bitspan_cfg_pkg::SidesW-1:UnusedW];
+    assign made[OutW-1:PixelW] = sides[bitspan_cfg_pkg::SidesW-1:UnusedW];
     assign shade_o[bitspan_cfg_pkg::SidesW-1:UnusedW] = buffered[PixelW+:OwnSidesW];
   end
   if (!Shades) begin : gen_no_shade_out
@@ -369,145 +378,73 @@ module span (
         .e_o    (recip_e)
     );
 
-    // A normalised mantissa is at most 1.
-    localparam int MantissaTopAlone = (bitspan_cfg_pkg::PixelRecipNormalize != 0 &&
-        bitspan_cfg_pkg::PixelRecipOutSigned == 0 && MW == bitspan_cfg_pkg::PixelRecipOutFrac + 1) ? 1 : 0;
-    // The numerator, the reciprocal, and what their product is added to: at u's slot, and at v's.
-    logic [2*AccW-1:0] numerator, f_out;
-    logic [2*MW-1:0] mantissa;
-    logic [2*EW-1:0] exponent;
-    logic [2*(UvW+1)-1:0] addend;
-    for (genvar i = 0; i < 2; i++) begin : gen_factors
-      localparam int Slot = (i == 0) ? RecipTick : LastSlot;
-      logic [UvW-1:0] base_q, base;
-      assign base_q = (i == 0) ? u1_q : v1_q;
-      span_delay #(
-          .Width(AccW + UvW),
-          .From(0),
-          .To(Slot)
-      ) u_numerator (
-          .clk_i,
-          .en_i(en),
-          .phase_i(tick_q),
-          .d_i({f_q[i*AccW+:AccW], base_q}),
-          .q_o({numerator[i*AccW+:AccW], base})
-      );
-      span_delay #(
-          .Width(MW + EW),
-          .From(RecipTick),
-          .To(Slot)
-      ) u_recip (
-          .clk_i,
-          .en_i(en),
-          .phase_i(tick_q),
-          .d_i({recip_m, recip_e}),
-          .q_o({mantissa[i*MW+:MW], exponent[i*EW+:EW]})
-      );
-      span_delay #(
-          .Width(AccW),
-          .From(Slot),
-          .To(Clocks)
-      ) u_f (
-          .clk_i,
-          .en_i(en),
-          .phase_i(tick_q),
-          .d_i(numerator[i*AccW+:AccW]),
-          .q_o(f_out[i*AccW+:AccW])
-      );
-      assign addend[i*(UvW+1)+:UvW+1] = {(bitspan_cfg_pkg::EdgeUvSigned != 0) & base[UvW-1], base};
-    end
-
+    logic [2*AccW-1:0] f_out;
     logic [2*OutUvW-1:0] uv;
-    if (Interval == 1) begin : gen_side_by_side
-      for (genvar i = 0; i < 2; i++) begin : gen_uv
-        logic signed [UvW:0] c;
-        logic signed [EW-1:0] e;
-        assign c = addend[i*(UvW+1)+:UvW+1];
-        assign e = exponent[i*EW+:EW];
-        multiply_round #(
-            .AW(AccW),
-            .AFrac(bitspan_cfg_pkg::TexAccFrac),
-            .ASigned(bitspan_cfg_pkg::TexAccSigned),
-            .BW(MW),
-            .BFrac(bitspan_cfg_pkg::PixelRecipOutFrac),
-            .BSigned(bitspan_cfg_pkg::PixelRecipOutSigned),
-            .BTopAlone(MantissaTopAlone),
-            .CW(UvW + 1),
-            .CFrac(bitspan_cfg_pkg::EdgeUvFrac),
-            .EW(EW),
-            .EMin(bitspan_cfg_pkg::PixelRecipEMin),
-            .EMax(bitspan_cfg_pkg::PixelRecipEMax),
-            .OutW(OutUvW),
-            .OutFrac(bitspan_cfg_pkg::SpanUvFrac),
-            .OutSigned(bitspan_cfg_pkg::SpanUvSigned),
-            .OutRnd(bitspan_cfg_pkg::SpanUvRnd),
-            .OutOvf(bitspan_cfg_pkg::SpanUvOvf),
-            .ProductClocks(ProductClocks)
-        ) u_uv (
+    span_quotients #(
+        .AW(AccW),
+        .AFrac(bitspan_cfg_pkg::TexAccFrac),
+        .ASigned(bitspan_cfg_pkg::TexAccSigned),
+        .BaseW(UvW),
+        .BaseFrac(bitspan_cfg_pkg::EdgeUvFrac),
+        .BaseSigned(bitspan_cfg_pkg::EdgeUvSigned),
+        .OutW(OutUvW),
+        .OutFrac(bitspan_cfg_pkg::SpanUvFrac),
+        .OutSigned(bitspan_cfg_pkg::SpanUvSigned),
+        .OutRnd(bitspan_cfg_pkg::SpanUvRnd),
+        .OutOvf(bitspan_cfg_pkg::SpanUvOvf),
+        .RecipTick(RecipTick),
+        .LastSlot(LastSlot),
+        .Clocks(Clocks)
+    ) u_uv (
+        .clk_i,
+        .rst_ni,
+        .en_i(en),
+        .phase_i(tick_q),
+        .numerator_i(f_q),
+        .base_i({v1_q, u1_q}),
+        .recip_m_i(recip_m),
+        .recip_e_i(recip_e),
+        .numerator_o(f_out),
+        .q_o(uv)
+    );
+
+    // Channels that are divided come in pairs of one format.
+    for (genvar i = 0; i + 1 < Channels; i++) begin : gen_divided
+      localparam int Line = bitspan_cfg_pkg::Lines - Channels + i;
+      localparam int Kept = bitspan_cfg_pkg::Lines + i;
+      if (bitspan_cfg_pkg::LineDivided[32*Line+:32] == 1) begin : gen_pair
+        localparam int LineAccW = bitspan_cfg_pkg::LineAccW[32*Line+:32];
+        localparam int LineAccAt = bitspan_cfg_pkg::LineAccAt[32*Line+:32];
+        localparam int ValueW = bitspan_cfg_pkg::LineAccW[32*Kept+:32];
+        localparam int ValueAt =
+            4 * ShadeW + bitspan_cfg_pkg::LineAccAt[32*Kept+:32] - bitspan_cfg_pkg::LinesAccW;
+        logic [2*LineAccW-1:0] unused_numerator;
+        span_quotients #(
+            .AW(LineAccW),
+            .AFrac(bitspan_cfg_pkg::LineAccFrac[32*Line+:32]),
+            .ASigned(bitspan_cfg_pkg::LineAccSigned[32*Line+:32]),
+            .OutW(ValueW),
+            .OutFrac(bitspan_cfg_pkg::LineAccFrac[32*Kept+:32]),
+            .OutSigned(bitspan_cfg_pkg::LineAccSigned[32*Kept+:32]),
+            .OutRnd(bitspan_cfg_pkg::LineAccRnd[32*Kept+:32]),
+            .OutOvf(bitspan_cfg_pkg::LineAccOvf[32*Kept+:32]),
+            .RecipTick(RecipTick),
+            .LastSlot(LastSlot),
+            .Clocks(Clocks)
+        ) u_values (
             .clk_i,
-            .en_i(en),
-            .a_i(numerator[i*AccW+:AccW]),
-            .b_i(mantissa[i*MW+:MW]),
-            .c_i(c),
-            .e_i(e),
-            .q_o(uv[i*OutUvW+:OutUvW])
-        );
-      end
-    end else begin : gen_in_turns
-      logic [1:0] select_q;
-      logic [OutUvW-1:0] q;
-      always_ff @(posedge clk_i or negedge rst_ni) begin
-        if (!rst_ni) begin
-          select_q <= '0;
-        end else if (en) begin
-          select_q <= {tick_q == PhaseTicksW'((LastSlot - 1) % Interval),
-                       tick_q == PhaseTicksW'((RecipTick - 1) % Interval)};
-        end
-      end
-      multiply_round_turns #(
-          .Turns(2),
-          .AW(AccW),
-          .AFrac(bitspan_cfg_pkg::TexAccFrac),
-          .ASigned(bitspan_cfg_pkg::TexAccSigned),
-          .BW(MW),
-          .BFrac(bitspan_cfg_pkg::PixelRecipOutFrac),
-          .BSigned(bitspan_cfg_pkg::PixelRecipOutSigned),
-          .CW(UvW + 1),
-          .CFrac(bitspan_cfg_pkg::EdgeUvFrac),
-          .EW(EW),
-          .EMin(bitspan_cfg_pkg::PixelRecipEMin),
-          .EMax(bitspan_cfg_pkg::PixelRecipEMax),
-          .OutW(OutUvW),
-          .OutFrac(bitspan_cfg_pkg::SpanUvFrac),
-          .OutSigned(bitspan_cfg_pkg::SpanUvSigned),
-          .OutRnd(bitspan_cfg_pkg::SpanUvRnd),
-          .OutOvf(bitspan_cfg_pkg::SpanUvOvf),
-          .ProductClocks(SharedProductClocks),
-          .Digits(Digits)
-      ) u_uv (
-          .clk_i,
-          .rst_ni,
-          .en_i(en),
-          .select_i(select_q),
-          .a_i(numerator),
-          .b_i(mantissa),
-          .c_i(addend),
-          .e_i(exponent),
-          .q_o(q)
-      );
-      // v comes Digits ticks behind u, and goes out with it.
-      for (genvar i = 0; i < 2; i++) begin : gen_uv
-        span_delay #(
-            .Width(OutUvW),
-            .From((i == 0) ? Clocks - 1 - Digits : Clocks - 1),
-            .To(Clocks)
-        ) u_q (
-            .clk_i,
+            .rst_ni,
             .en_i(en),
             .phase_i(tick_q),
-            .d_i(q),
-            .q_o(uv[i*OutUvW+:OutUvW])
+            .numerator_i(acc_q[LineAccAt+:2*LineAccW]),
+            .base_i(2'b0),
+            .recip_m_i(recip_m),
+            .recip_e_i(recip_e),
+            .numerator_o(unused_numerator),
+            .q_o(sides[ValueAt+:2*ValueW])
         );
+        logic unused;
+        assign unused = ^unused_numerator;
       end
     end
 

@@ -23,6 +23,7 @@ row_line.sv
 setup_mac.sv
 multiply_round_turns.sv
 span_delay.sv
+span_quotients.sv
 span_register.sv
 span_setup.sv
 span.sv

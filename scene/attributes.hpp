@@ -18,11 +18,14 @@ enum class AttributeRange : std::uint8_t {
 
 // X(name, range, value where it is not given): what a triangle may give per vertex besides u, v and c. In a
 // stream `name` is a key of the triangle, with one number per vertex.
-#define BITSPAN_GIVEN_ATTRIBUTES(X)                                                                   \
-  X(fog, unit, -1)     /* share of the object's own colour [F4]; else it follows from the distance */ \
-  X(project_x, any, 0) /* a projector's texture at the vertex: column and row times W [T14]; and */   \
-  X(project_y, any, 0)                                                                                \
-  X(project_w, any, 0) /* W, the distance along the projector's axis; where it is not above 0: outside */
+#define BITSPAN_GIVEN_ATTRIBUTES(X)                                                                       \
+  X(fog, unit, -1)     /* share of the object's own colour [F4]; else it follows from the distance */     \
+  X(project_x, any, 0) /* a projector's texture at the vertex: column and row times W [T14]; and */       \
+  X(project_y, any, 0)                                                                                    \
+  X(project_w, any, 0) /* W, the distance along the projector's axis; where it is not above 0: outside */ \
+  X(z, unit, -1)       /* depth of its own, linear on the screen, 0 nearest; else that of s */            \
+  X(u2, any, 0)        /* texels of the second texture unit, where it has coordinates of its own */       \
+  X(v2, any, 0)
 
 // u, v in texels (texel centres at .5, v downward); c red, green, blue, alpha in 0..1; and what may be given.
 struct Attributes {

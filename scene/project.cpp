@@ -139,6 +139,7 @@ std::vector<Face> faces_of(const Scene& scene) {
     face.two_sided = true;
     for (std::size_t i = 0; i < 3; ++i) {
       static_cast<Attributes&>(face.corner[i]) = triangle.v[i];
+      face.corner[i].z = Attributes{}.z;  // a depth of one view is none of another
       face.corner[i].position = position_of(triangle.v[i], scene);
     }
   }

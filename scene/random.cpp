@@ -283,6 +283,9 @@ DrawCommand random_command(Random& random, Random& later, Random& levels, const 
   return {.what = change};
 }
 
+// The ends of 0..1 come often.
+double unit_value(Random& random) { return std::clamp(random.uniform(-0.25, 1.25), 0.0, 1.0); }
+
 }  // namespace
 
 Scene random_scene(std::uint64_t seed, const RandomOptions& options) {
@@ -370,12 +373,19 @@ void draw_pass(Random& random, Scene& scene) {
 void draw_given_attributes(Random& random, Scene& scene, double probability) {
   for (Triangle& triangle : scene.triangles) {
     for (const GivenAttribute& given : given_attributes) {
-      if (given.key.starts_with("project_")) continue;  // of draw_projection
-      if (!random.chance(probability)) continue;
-      for (Vertex& v : triangle.v) {
-        const double value = random.uniform(-0.25, 1.25);  // so that the ends of 0..1 come often
-        v.*given.member = given.range == AttributeRange::unit ? std::clamp(value, 0.0, 1.0) : value;
-      }
+      if (given.key != "fog" || !random.chance(probability)) continue;
+      for (Vertex& v : triangle.v) v.*given.member = unit_value(random);
+    }
+  }
+  // Behind the older one, whose numbers stay what they were.
+  for (Triangle& triangle : scene.triangles) {
+    if (random.chance(probability)) {
+      for (Vertex& v : triangle.v) v.z = unit_value(random);
+    }
+    if (!random.chance(probability)) continue;
+    for (Vertex& v : triangle.v) {
+      v.u2 = random.uniform(-40, 40);
+      v.v2 = random.uniform(-40, 40);
     }
   }
 }

@@ -148,6 +148,9 @@ void add_channel(std::vector<RegisterRule>& rules) {
   rules.push_back(rule<line.row.step>("span_setup.channel", 1, kChannel, used));
   rules.push_back(rule<line.row.step>("span_setup.channel", 1, kChannelPlaneRows, in_plane_rows));
   rules.push_back(rule<line.row.acc>("span.channel", 1, kChannel, used));
+  if constexpr (line.span_divides) {
+    rules.push_back(rule<line.row.kept>("span.channel", 1, kChannel, used));
+  }
 }
 
 std::vector<RegisterRule> make_rules() {
@@ -484,9 +487,13 @@ class Products {
   void pixel() {
     const Grid m = grid_of(c_.pixel_reciprocal.output);
     const Grid mix = at(F::texture_mix), alpha = at(F::texture_alpha), frac = at(F::texture_frac);
-    const Grid shade = at(F::span_shade), color = at(F::texture_color);
+    const Grid shade = at(shade_factor(c_)), color = at(F::texture_color);
     if (pixel_unit(c_)) inside({"span", "reciprocal.pixel", &c_.pixel_reciprocal});
     if (delta_f(c_)) add("span", "fu m", at(F::span_f), m, 2);
+    for (const int channel : ChannelList(c_)) {
+      const bitspan::Line line = line_of(channel_line(channel), c_.perspective);
+      if (line.span_divides && delta_f(c_)) add("span.channel", "w m", at(line.row.acc), m, 1);
+    }
     if (has_subspans(c_)) {
       const Grid uv = at(F::span_uv);
       add("span", "(u_b - u_a) j", uv - uv, Grid{c_.subspan_bits, 0, false}, 2);

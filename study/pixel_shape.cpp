@@ -25,7 +25,7 @@ class PixelCounter : private ShapeCells {
         late_(target.part == AreaPart::late_pixels),
         has_lut_memory_(target.family == Family::ecp5),
         coordinates_(2 * pixel_index_bits(config)),
-        shades_(2 * word(F::span_uv) + 4 * word(F::span_shade)),
+        shades_(2 * word(F::span_uv) + 4 * word(shade_factor(config))),
         color_(3 * word(F::texture_color)),
         alpha_(word(F::texture_alpha)),
         tag_(timing_.slot_bits + (has_vertex_fog(config.fog) ? word(F::fog_factor) : 0)),
@@ -364,7 +364,7 @@ class PixelCounter : private ShapeCells {
     const TextureTiming& t = timing_.texture;
     const int frac = word(F::texture_frac);
     const int share = mixes_ ? word(F::lod_frac) : 0;
-    const int shades = 4 * word(F::span_shade);
+    const int shades = 4 * word(shade_factor(c_));
     const int rest = texture_rest();
     add_registers(t.address);
     for (int i = 0; i < levels(); ++i) addresses(i == 0);
@@ -487,7 +487,7 @@ class PixelCounter : private ShapeCells {
 
   // Times the shades.
   void colours(int clocks) {
-    const Format& shade = format(F::span_shade);
+    const Format& shade = format(shade_factor(c_));
     add_registers(clocks);
     const auto product = [&](const Format& of, const Format& to) {
       add_registers(of.word);

@@ -265,6 +265,7 @@ class SpanCounter : private ShapeCells {
       const Line line = line_of(id);
       const Format& kept = format(line.row.kept);
       accumulate(format(line.row.step), format(line.row.acc));
+      if (line.span_divides) continue;
       round(kept);
       span_delay(kept.word, timing_.span);
       if (planes_) shape_.selects += word(line.row.step);
@@ -306,46 +307,55 @@ class SpanCounter : private ShapeCells {
 
   // rtl/span.sv behind the issue, in delta_f.
   void pixels() {
-    const Format& f = format(F::span_f);
-    const Format& m = c_.pixel_reciprocal.output;
-    const Format& uv = format(F::edge_uv);
-    const Format& to = format(F::span_uv);
-    const int clocks = c_.rtl.product_clocks;
     const Grid operand = pixel_operand(c_);
-    const Exponents e = exponents_of(c_.pixel_reciprocal, operand);
     shape_.sums += operand.bits();
     add_registers(operand.bits());
     reciprocal(c_.pixel_reciprocal, operand);
-    const int recip = 1 + timing_.pixel_unit;
-    const int v_slot = recip + (timing_.pixel_interval > 1 ? c_.rtl.product_digits : 0);
-    span_delay(f.word + uv.word, recip);
-    span_delay(f.word + uv.word, v_slot);
     span_delay(pixel_index_bits(c_) + 1 + word(F::span_h), timing_.span);
+    pair(format(F::span_f), &format(F::edge_uv), format(F::span_uv), true);
+    for (const LineId id : side_lines()) {
+      const Line line = line_of(id);
+      const bool is_first = id == LineId::shade_r || id == LineId::shade_b || id == LineId::u2;
+      if (line.span_divides && is_first) pair(format(line.row.acc), nullptr, format(line.row.kept), false);
+    }
+  }
+
+  // rtl/span_quotients.sv. base: null for none. is_first: the others share what follows from m and e.
+  void pair(const Format& f, const Format* base, const Format& to, bool is_first) {
+    const Format& m = c_.pixel_reciprocal.output;
+    const int clocks = c_.rtl.product_clocks;
+    const Exponents e = exponents_of(c_.pixel_reciprocal, pixel_operand(c_));
+    const int recip = 1 + timing_.pixel_unit;
+    const int last_slot = recip + (timing_.pixel_interval > 1 ? c_.rtl.product_digits : 0);
+    const int base_word = base == nullptr ? 0 : base->word;
+    const int base_fraction = base == nullptr ? 0 : base->fraction();
+    span_delay(f.word + base_word, recip);
+    span_delay(f.word + base_word, last_slot);
     // A normalised mantissa is at most 1.
     const bool top_alone = c_.pixel_reciprocal.normalize && !m.is_signed && m.word == m.fraction() + 1;
-    const int fraction = std::max(uv.fraction(), to.fraction() + 1);
-    const int added = uv.word + 1 + fraction - uv.fraction() + 1;
+    const int fraction = std::max(base_fraction, to.fraction() + 1);
+    const int added = base == nullptr ? 1 : base_word + 1 + fraction - base_fraction + 1;
     const int kept = std::max(to.word + fraction - to.fraction() + 1, added) + 4;
     const int shift_base = f.fraction() + m.fraction() + e.low - fraction;
     const int shift_max = e.high - e.low;
     if (timing_.pixel_interval > 1) {
-      span_delay(m.word + bits_of(shift_max), v_slot - recip);
+      if (is_first) span_delay(m.word + bits_of(shift_max), last_slot - recip);
       turns(2, as_signed(grid_of(f)).bits(), as_signed(grid_of(m)).bits(), added, bits_of(shift_max),
             shift_base, shift_max, kept);
       quantize(to);
       span_delay(to.word, c_.rtl.product_digits + 1);
       span_delay(to.word, 1);
-      add_registers(bits_of(timing_.pixel_interval - 1) + 2);
+      if (is_first) add_registers(bits_of(timing_.pixel_interval - 1) + 2);
       return;
     }
     // rtl/multiply_round.sv, twice; both have the same shift.
-    add_registers(bits_of(shift_max), clocks);
+    if (is_first) add_registers(bits_of(shift_max), clocks);
     for (int i = 0; i < 2; ++i) {
-      // Both have the same mantissa.
+      // All have the same mantissa.
       multiply(f.word, f.is_signed, m.word, m.is_signed,
-               {.b_top_alone = top_alone, .elsewhere = i == 0 ? 0 : m.word});
+               {.b_top_alone = top_alone, .elsewhere = is_first && i == 0 ? 0 : m.word});
       shift_add(f.word + m.word, shift_base, shift_max, kept);
-      add_registers(uv.word + 1, clocks + 2);
+      if (base != nullptr) add_registers(base_word + 1, clocks + 2);
       quantize(to);
       add_registers(to.word);
     }

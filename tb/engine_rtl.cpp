@@ -201,7 +201,10 @@ class RtlEngine final : public Engine {
         if (model::is_drawn(run_.pipeline, f)) {
           const std::int64_t factor =
               has_vertex_fog(run_.pipeline.fog.mode) ? model::channel_value(channels_[i], LineId::fog) : 0;
-          covered_.push_back({f, std::max(surface.texture, -1), surface.back, gradient, factor});
+          FragmentRecord own;
+          const FragmentRecord& drawn =
+              model::as_drawn(run_.pipeline.channels, f, channels_.empty() ? nullptr : &channels_[i], own);
+          covered_.push_back({drawn, std::max(surface.texture, -1), surface.back, gradient, factor});
         } else {
           ++run_.counters.masked;
         }

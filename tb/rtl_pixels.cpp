@@ -303,10 +303,10 @@ StageValues fragment_values(const Config& config, const FragmentRecord& f, bool 
           port(f.h, FormatId::span_h),
           port(f.u, FormatId::span_uv),
           port(f.v, FormatId::span_uv),
-          port(f.r, FormatId::span_shade),
-          port(f.g, FormatId::span_shade),
-          port(f.b, FormatId::span_shade),
-          port(f.a, FormatId::span_shade),
+          port(f.r, shade_factor(config)),
+          port(f.g, shade_factor(config)),
+          port(f.b, shade_factor(config)),
+          port(f.a, shade_factor(config)),
           port(factor, FormatId::fog_factor),
           std::uint64_t{back}};
 }

@@ -39,7 +39,7 @@ extern "C" {
 #endif
 
 /* Grows with every addition to this file; bs_abi_version() tells the library's. */
-#define BS_ABI_VERSION 5
+#define BS_ABI_VERSION 6
 
 typedef int32_t bs_status;
 enum {
@@ -191,10 +191,13 @@ typedef struct bs_vertex {
   /* In a scene with a projector: W is the distance along its axis, in the unit of s, and X / W and Y / W are
    * column and row of its texture, in texels. Default 0: outside of the texture. */
   double project_x, project_y, project_w;
+  double
+      z; /* with depth.line = z: the depth, linear on the screen, 0 (nearest) to 1; default -1: that of s */
+  double u2, v2; /* with texture.second = own: texels of the second texture unit; default 0 */
 } bs_vertex;
 
 #define BS_VERTEX_INIT \
-  { sizeof(bs_vertex), 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, -1.0, 0.0, 0.0, 0.0 }
+  { sizeof(bs_vertex), 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0 }
 
 /* A light that casts shadows on a scene that the library reads. Its points are in the world of a mesh and of
  * the demo, and else as the viewer sees: x to the right, y downward, z along the view axis. BS_SHADOW_INIT

@@ -319,6 +319,7 @@ class Drawing {
       block.size = 0;
     };
     DepthRecord z;
+    FragmentRecord own;
     for (std::size_t i = 0; i < worker.rows.size(); ++i) {
       const SpanRecord span = row_to_span(pipeline_, worker.rows, i, counters, watch);
       worker.fragments.clear();
@@ -332,13 +333,16 @@ class Drawing {
       for (std::size_t k = 0; k < worker.fragments.size(); ++k) {
         const FragmentRecord& fragment = worker.fragments[k];
         if (fragment.covered == 0) continue;
+        const FragmentRecord& drawn = as_drawn(pipeline_.channels, fragment,
+                                               worker.channels.empty() ? nullptr : &worker.channels[k], own);
         const std::size_t pixel = pixel_of(*worker.frame, fragment);
-        const bool passed = depth(pipeline_.depth, fragment, nullptr, worker.frame->depth[pixel], z, watch);
+        const bool passed = depth(pipeline_.depth, drawn, nullptr, worker.frame->depth[pixel], z, watch);
         deliver(trace, z);
         if (!passed) continue;
         ++counters.depth_passed;
         if (block.size == block_size) flush();
-        append(block, fragment, z, pixel, pipeline_.fog,
+        own.h = fragment.h;  // of which fog is
+        append(block, drawn, z, pixel, pipeline_.fog,
                has_vertex_fog(pipeline_.fog.mode) ? channel_value(worker.channels[k], LineId::fog) : 0);
       }
     }

@@ -24,6 +24,8 @@ struct FragmentBlock {
   alignas(64) std::int32_t z[padded];      // depth code, to be stored with the colour
   alignas(64) T u[padded];
   alignas(64) T v[padded];
+  alignas(64) T u2[padded];  // where the second texture unit has coordinates of its own
+  alignas(64) T v2[padded];
   alignas(64) T r[padded];
   alignas(64) T g[padded];
   alignas(64) T b[padded];
@@ -32,7 +34,8 @@ struct FragmentBlock {
   alignas(64) std::int64_t h[padded];         // linear fog only
   alignas(64) T fog_factor[padded];           // fog of the vertices only
   alignas(64) std::int32_t triangle[padded];  // input index
-  // Channels by their place among those in use; only where the plan takes them.
+  // Channels by their place among those in use, only where the plan takes them: values, and until the block
+  // is given away the accumulators of those that the span divides.
   alignas(64) std::int64_t channel[channel_limit][padded];
 };
 

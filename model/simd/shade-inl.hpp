@@ -532,6 +532,9 @@ HWY_NOINLINE void shade_block(const Pipeline& pipeline, const ShadePlan& plan, c
   const auto second = image_of_unit(units.images[1].image);
   const auto second_coarser = image_of_unit(units.images[1].coarser);
   const std::array<std::uint8_t, 3> fog_color = pipeline.fog.fog_color;
+  const bool has_second_at = pipeline.channels.second_at >= 0;
+  const auto* const second_u = has_second_at ? block.u2 : block.u;
+  const auto* const second_v = has_second_at ? block.v2 : block.v;
   const V opaque = V(static_cast<ElementOf<Int>>(opaque_alpha(formats.merge)));
   std::size_t killed = 0;
   for (std::size_t at = 0; at < block.size; at += lanes) {
@@ -549,10 +552,11 @@ HWY_NOINLINE void shade_block(const Pipeline& pipeline, const ShadePlan& plan, c
       colour<Int>(stage, shade, texel, watch);
       if (!stage.is_last) {
         const TextureSecondStage& unit = pipeline.texture_second;
-        const Textured<V> other = units.projected != nullptr
-                                      ? found_projected<Int>(unit, second, *units.projected, at, watch)
-                                      : found<Int>(unit.fetch, units.images[1], second, second_coarser,
-                                                   units.shares[1] + at, u, v, watch);
+        const Textured<V> other =
+            units.projected != nullptr
+                ? found_projected<Int>(unit, second, *units.projected, at, watch)
+                : found<Int>(unit.fetch, units.images[1], second, second_coarser, units.shares[1] + at,
+                             load_as<V>(second_u + at), load_as<V>(second_v + at), watch);
         combine<Int>(unit, other.texel, ShareOfColor<Int>{plan, unit.fetch}, texel.color, watch);
         texel.killed = killed_first;
         if (unit.fetch.kills_zero) texel.killed = texel.killed | (texel.color[3] == V(0));
@@ -856,6 +860,7 @@ struct AnyColumns {
   HWY_ALIGN T shares[2][FragmentBlock<T>::padded];
   HWY_ALIGN std::int32_t places[FragmentBlock<T>::padded];  // in the block
   ShadeColumns<T> of_part;
+  bool has_second_at = false;  // the second unit has coordinates of its own
 };
 
 template <class T>
@@ -899,6 +904,10 @@ bool take_levels(const FragmentBlock<T>& from, const ProjectColumns<T>* projecte
   take(from.pixel, to.pixel);
   take(from.u, to.u);
   take(from.v, to.v);
+  if (any.has_second_at) {
+    take(from.u2, to.u2);
+    take(from.v2, to.v2);
+  }
   take(from.r, to.r);
   take(from.g, to.g);
   take(from.b, to.b);
@@ -923,6 +932,7 @@ void colours_of_levels(const Pipeline& pipeline, const ShadePlan& plan, const Sh
                        const ProjectColumns<T>* projected, const TriangleGradients& gradients,
                        const Frame& frame, ShadeColumns<T>& columns, Counters& counters) {
   AnyColumns<T> any;
+  any.has_second_at = pipeline.channels.second_at >= 0;
   const auto levels_of = [&](int texture) {
     return texture < 0
                ? 1

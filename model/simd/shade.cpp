@@ -56,7 +56,7 @@ bool fits(const Config& c, FogMode fog, int bits) {
   using F = FormatId;
   const auto of = [&](F id) { return signed_grid(c.format(id)); };
   const auto narrows = [&](Grid value, F id) { return narrows_in(bits, value, c.format(id)); };
-  for (const F id : {F::span_uv, F::span_shade, F::texture_frac, F::texture_mix, F::texture_color,
+  for (const F id : {F::span_uv, shade_factor(c), F::texture_frac, F::texture_mix, F::texture_color,
                      F::texture_alpha, F::fog_factor, F::fog_color, F::merge_color}) {
     if (!held_in(bits, c.format(id))) return false;
   }
@@ -65,8 +65,8 @@ bool fits(const Config& c, FogMode fog, int bits) {
   // floor(u) and the next integer.
   if (uv.integer + 1 > bits - 2 || std::abs(uv.fraction) > bits - 2) return false;
   bool fit = narrows(code, F::texture_mix) && narrows(integer_grid(1), F::texture_alpha) &&
-             narrows(of(F::texture_mix) * of(F::span_shade), F::texture_color) &&
-             narrows(of(F::texture_alpha) * of(F::span_shade), F::texture_alpha);
+             narrows(of(F::texture_mix) * of(shade_factor(c)), F::texture_color) &&
+             narrows(of(F::texture_alpha) * of(shade_factor(c)), F::texture_alpha);
   if (weighs_texels(c.filter)) fit = fit && fits_weighed(c, bits);
   const auto mixes_code = [&](F color, F share, F to) {
     return narrows((of(color) - code) * of(share) + code * of(share), to);

@@ -19,6 +19,7 @@ ChannelForm form_of_channel(const Config& config, int number) {
   f.number = number;
   f.line = line.id;
   f.homogeneous = line.is_homogeneous();
+  f.span_divides = line.span_divides;
   f.vertex = reg(line.vertex);
   f.walked = reg(line.walked());
   f.edge_step = reg(line.edge.step);
@@ -36,8 +37,19 @@ ChannelForm form_of_channel(const Config& config, int number) {
   return f;
 }
 
+// Bits that a product of the accumulator and a fragment's m takes beyond the accumulator, on every grid on
+// the way to the value.
+int growth_of_product(const Config& config, const InverseDepth& q, const ChannelForm& form) {
+  const Format& m = config.pixel_reciprocal.output;
+  const int least = form.acc.fraction + m.fraction() + pixel_exponents(config, q).low;
+  return m.word + std::max(0, form.value.fraction + 1 - least);
+}
+
 bool asks_for(const Scene& scene, LineId channel) {
-  return channel == LineId::fog ? scene.fog.has_value() : scene.projector.has_value();
+  if (channel == LineId::fog) return scene.fog.has_value();
+  const bool is_projected =
+      channel == LineId::project_x || channel == LineId::project_y || channel == LineId::project_w;
+  return !is_projected || scene.projector.has_value();  // the configuration asks for the others
 }
 
 // The places in the input of the sorted vertices.
@@ -52,8 +64,10 @@ std::array<std::size_t, 3> sorted_places(const ChannelStage& stage, const Triang
   return places;
 }
 
+// set_up: the vertex as setup has it.
 template <class Watch>
-std::int64_t vertex_value(const ChannelStage& stage, const ChannelForm& form, const Vertex& v, Watch watch) {
+std::int64_t vertex_value(const ChannelStage& stage, const ChannelForm& form, const Vertex& v,
+                          const SetupVertex& set_up, Watch watch) {
   switch (form.line) {
     case LineId::fog:
       return v.fog < 0 ? fog_at(v.s, stage.fog_distance, form.vertex, watch)
@@ -64,6 +78,23 @@ std::int64_t vertex_value(const ChannelStage& stage, const ChannelForm& form, co
       return quantize(scaled(exact_of(v.project_y), stage.projector_exponent), form.vertex, watch);
     case LineId::project_w:
       return quantize(scaled(exact_of(v.project_w), stage.projector_exponent), form.vertex, watch);
+    case LineId::shade_r:
+      return set_up.c[0];
+    case LineId::shade_g:
+      return set_up.c[1];
+    case LineId::shade_b:
+      return set_up.c[2];
+    case LineId::shade_a:
+      return set_up.c[3];
+    case LineId::z: {
+      if (v.z < 0) return set_up.h;
+      const std::int64_t z = quantize(exact_of(v.z) * stage.zmax, form.vertex, watch);
+      return quantize(stage.zmax - value_of(z, form.vertex), form.vertex, watch);
+    }
+    case LineId::u2:
+      return quantize(exact_of(v.u2), form.vertex, watch);
+    case LineId::v2:
+      return quantize(exact_of(v.v2), form.vertex, watch);
     case LineId::h:
     case LineId::fu:
     case LineId::fv:
@@ -108,6 +139,20 @@ std::int64_t acc_on(const ChannelStage& stage, const ChannelForm& form, Triangle
   return e.acc;
 }
 
+// The value of a fragment's accumulator.
+template <class Watch>
+std::int64_t value_at(const ChannelStage& stage, const ChannelForm& form, const FragmentRecord& fragment,
+                      std::int64_t raw, Watch watch) {
+  const Exact acc = value_of(raw, form.acc);
+  if (!form.span_divides) return quantize(acc, form.value, watch);
+  if (stage.by_reciprocal) {
+    const Exact inverse = stage.pixel_unit.value({fragment.recip_m, static_cast<int>(fragment.recip_e)});
+    return quantize(acc * inverse, form.value, watch);
+  }
+  const int128 q = std::max<int128>((int128{fragment.h} << stage.q.h_up) + stage.q.b, 1);
+  return quantize_ratio(acc, {q, stage.q.fraction}, form.value, watch);
+}
+
 }  // namespace
 
 ChannelStage prepare_channels(const Config& config, const Constants& constants, const Scene& scene) {
@@ -126,6 +171,18 @@ ChannelStage prepare_channels(const Config& config, const Constants& constants, 
   s.vertex_h = make_register(config, FormatId::setup_h);
   s.x = make_register(config, FormatId::edge_x);
   s.b = b_of(config, constants.record);
+  s.zmax = {(int128{1} << config.depth_bits) - 1, 0};
+  s.pixel_unit = ReciprocalUnit(config.pixel_reciprocal, RegisterId::pixel_reciprocal);
+  s.q = make_inverse_depth(config, constants);
+  s.by_reciprocal = has_pixel_reciprocal(config.perspective);
+  const auto place = [&](LineId line) {
+    const auto at = std::ranges::find(s.in_use, line, &ChannelForm::line);
+    return at == s.in_use.end() ? -1 : static_cast<int>(at - s.in_use.begin());
+  };
+  s.depth_at = place(LineId::z);
+  s.shades_at = place(LineId::shade_r);
+  s.second_at = place(LineId::u2);
+  for (ChannelForm& form : s.in_use) form.product_growth = growth_of_product(config, s.q, form);
   if (scene.fog) s.fog_distance = scene.fog->distance;
   if (scene.projector && has_project(config.project)) {
     s.projector_exponent = projector_constants(config, scene).exponent;
@@ -147,7 +204,7 @@ TriangleChannels setup_channels(const ChannelStage& stage, const Triangle& trian
     std::array<std::int64_t, 3> f{};
     VertexTriple g;
     for (std::size_t i = 0; i < 3; ++i) {
-      w[i] = vertex_value(stage, form, triangle.v[places[i]], watch);
+      w[i] = vertex_value(stage, form, triangle.v[places[i]], v[i], watch);
       g[i] = value_of(w[i], form.vertex);
       if (form.homogeneous) {
         f[i] = quantize(g[i] * (value_of(v[i].h, stage.vertex_h) + stage.b), form.walked, watch);
@@ -264,7 +321,7 @@ FragmentChannels fragment_channels(const ChannelStage& stage, ChannelWalk& walk,
       span.w = quantize(value_of(span.w, form.acc) + value_of(step, form.step), form.acc, watch);
     }
     out[c] = {fragment.triangle, fragment.x, fragment.y, form.number,
-              quantize(value_of(span.w, form.acc), form.value, watch)};
+              value_at(stage, form, fragment, span.w, watch)};
   }
   walk.started = true;
   walk.x = fragment.x;

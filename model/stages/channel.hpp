@@ -11,6 +11,7 @@
 #include "config/config.hpp"
 #include "config/lines.hpp"
 #include "engine/records.hpp"
+#include "model/channels.hpp"
 #include "model/numeric/adder.hpp"
 #include "model/numeric/quantize.hpp"
 #include "model/numeric/reciprocal.hpp"
@@ -18,6 +19,7 @@
 #include "model/stages/plane_walk.hpp"
 #include "model/stages/setup.hpp"
 #include "model/stages/setup_plane.hpp"
+#include "model/stages/span.hpp"
 #include "scene/scene.hpp"
 
 namespace bitspan::model {
@@ -27,10 +29,14 @@ struct ChannelForm {
   int number = 0;
   LineId line = LineId::count;
   bool homogeneous = false;
+  bool span_divides = false;  // value is of the quotient by h + B
   Register vertex, walked, edge_step, edge_acc, edge, gradient, step, acc, value;
   Exact edge_offset, row_offset;
   Adder along_row;          // acc and step
   bool fits_int64 = false;  // what a fragment takes does, also on the grid of value
+  // Where the span divides by R_pixel: bits that the product with m takes beyond acc, on every grid on the
+  // way to value.
+  int product_growth = 0;
 };
 
 struct ChannelStage {
@@ -43,6 +49,12 @@ struct ChannelStage {
   Exact b;
   double fog_distance = 1;     // of the scene
   int projector_exponent = 0;  // X, Y and W are divided by 2^this
+  Exact zmax;                  // 2^depth.bits - 1
+  ReciprocalUnit pixel_unit;   // what m and e of a fragment stand for
+  InverseDepth q;              // h + B of a fragment
+  bool by_reciprocal = false;  // the span has m and e; else it divides
+  // Channels in the places of fields that depth and texture read, by their place in in_use; -1: none.
+  int depth_at = -1, shades_at = -1, second_at = -1;
 
   bool any() const { return !in_use.empty(); }
   bool fits_int64() const { return std::ranges::all_of(in_use, &ChannelForm::fits_int64); }
@@ -101,6 +113,28 @@ struct ChannelWalk {
 template <class Watch = NoObserve>
 FragmentChannels fragment_channels(const ChannelStage& stage, ChannelWalk& walk,
                                    const FragmentRecord& fragment, Watch watch = {});
+
+// The fragment as depth and the first texture unit read it, with the channels that stand for its fields; and
+// as the second unit does. `own` holds a copy where there are some.
+inline const FragmentRecord& as_drawn(const ChannelStage& stage, const FragmentRecord& fragment,
+                                      const FragmentChannels* channels, FragmentRecord& own) {
+  if (stage.depth_at < 0 && stage.shades_at < 0) return fragment;
+  own = fragment;
+  const auto w = [&](int at) { return (*channels)[static_cast<std::size_t>(at)].w; };
+  if (stage.depth_at >= 0) own.h = w(stage.depth_at);
+  for (int c = 0; c < channel_count && stage.shades_at >= 0; ++c) {
+    own.*fragment_shades[static_cast<std::size_t>(c)] = w(stage.shades_at + c);
+  }
+  return own;
+}
+inline const FragmentRecord& as_second(const ChannelStage& stage, const FragmentRecord& fragment,
+                                       const FragmentChannels* channels, FragmentRecord& own) {
+  if (stage.second_at < 0) return fragment;
+  own = fragment;
+  own.u = (*channels)[static_cast<std::size_t>(stage.second_at)].w;
+  own.v = (*channels)[static_cast<std::size_t>(stage.second_at) + 1].w;
+  return own;
+}
 
 // The value of a channel that is in use.
 std::int64_t channel_value(const FragmentChannels& channels, LineId line);

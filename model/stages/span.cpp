@@ -104,20 +104,6 @@ void span_on(const SpanStage& stage, SpanState& state, FragmentRecord& out, Watc
   state.y += state.along_y ? 1 : across;
 }
 
-// Exponents that the reciprocal of h + B can deliver: from its least ulp, or from B where h is never
-// negative, to its highest bit.
-Exponents pixel_exponents(const Config& config, const InverseDepth& q) {
-  if (!config.pixel_reciprocal.normalize) {
-    return {};
-  }
-  const Grid operand =
-      signed_grid(config.format(FormatId::span_h)) + signed_grid(config.format(FormatId::setup_b));
-  Exponents e = exponents_on(operand);
-  if (!config.format(FormatId::span_h).is_signed)
-    e.low = bit_length(static_cast<uint128>(q.b)) - 1 - q.fraction;
-  return e;
-}
-
 // The widest sums and products of the stage, also on the grids they are rounded to, over every exponent the
 // reciprocal can deliver.
 bool all_fit(const Config& config, const SpanStage& s) {
@@ -149,6 +135,18 @@ InverseDepth make_inverse_depth(const Config& config, const Constants& constants
   const int h_fraction = config.format(FormatId::span_h).fraction();
   const int fraction = std::max(h_fraction, b.fraction);
   return {fraction - h_fraction, fraction, on_grid(b, fraction)};
+}
+
+Exponents pixel_exponents(const Config& config, const InverseDepth& q) {
+  if (!config.pixel_reciprocal.normalize) {
+    return {};
+  }
+  const Grid operand =
+      signed_grid(config.format(FormatId::span_h)) + signed_grid(config.format(FormatId::setup_b));
+  Exponents e = exponents_on(operand);
+  if (!config.format(FormatId::span_h).is_signed)
+    e.low = bit_length(static_cast<uint128>(q.b)) - 1 - q.fraction;
+  return e;
 }
 
 SpanStage prepare_span(const Config& config, const Constants& constants) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "config/config.hpp"
+#include "config/grid.hpp"
 #include "config/modes.hpp"
 #include "engine/records.hpp"
 #include "model/numeric/adder.hpp"
@@ -22,6 +23,9 @@ struct InverseDepth {
   int128 b = 0;
 };
 InverseDepth make_inverse_depth(const Config& config, const Constants& constants);
+// Exponents that the reciprocal of h + B can deliver: from its least ulp, or from B where h is never
+// negative, to its highest bit.
+Exponents pixel_exponents(const Config& config, const InverseDepth& q);
 
 // What the stage computes by, as far as the configuration alone says it.
 struct SpanFormats {

@@ -62,7 +62,7 @@ constexpr TextureStage prepare_texture(const Config& config) {
   s.border = config.border;
   s.transparent = config.transparent;
   s.uv = make_register(config, FormatId::span_uv);
-  s.shade = make_register(config, FormatId::span_shade);
+  s.shade = make_register(config, shade_factor(config));
   s.frac = make_register(config, FormatId::texture_frac);
   s.mix = make_register(config, FormatId::texture_mix);
   s.color = make_register(config, FormatId::texture_color);
@@ -72,7 +72,7 @@ constexpr TextureStage prepare_texture(const Config& config) {
   const auto mixes = [&](Grid v) { return fits_int64(v * share + v * share); };
   const Grid mix = signed_grid(config.format(FormatId::texture_mix));
   const Grid alpha = signed_grid(config.format(FormatId::texture_alpha));
-  const Grid shade = signed_grid(config.format(FormatId::span_shade));
+  const Grid shade = signed_grid(config.format(shade_factor(config)));
   // u - 1/2, and its floor plus one.
   const Grid below = signed_grid(config.format(FormatId::span_uv)) - Grid{0, 1, true};
   s.mixes_levels = mixes_levels(config.mip);

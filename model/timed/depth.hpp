@@ -14,7 +14,9 @@ namespace bitspan::timed {
 inline bool depth_values(Run& run, FragmentItem& item) {
   const std::size_t at = run.pixel(item.fragment);
   const GradientRecord* gradient = run.depth_gradients.of(item.fragment);
-  bool passed = model::depth(run.pipeline.depth, item.fragment, gradient, run.frame.depth[at], item.depth);
+  FragmentRecord own;
+  const FragmentRecord& drawn = model::as_drawn(run.pipeline.channels, item.fragment, &item.channels, own);
+  bool passed = model::depth(run.pipeline.depth, drawn, gradient, run.frame.depth[at], item.depth);
   deliver(run.trace, item.depth);
   if (run.pipeline.stencil.test) {
     passed = model::stencil(run.pipeline.stencil, item.surface.back, item.depth, run.frame.stencil[at],

@@ -11,7 +11,7 @@ InterpolatorLatency interpolator_latency(const Config& config) {
   like_rtl.pixel_reciprocal.pipelined = true;
   like_rtl.subspan_bits = 0;
   if (has_setup_plane(config)) like_rtl.row_slope = RowSlope::reciprocal;
-  RtlTiming rtl = rtl_timing(like_rtl);
+  RtlTiming rtl = timing_with_dividers(like_rtl);
   if (has_setup_plane(config)) rtl.row = row_schedule_by_plane(config);
 
   InterpolatorLatency latency;

@@ -25,7 +25,10 @@ inline bool second_values(Run& run, FragmentItem& item, bool lives) {
   if (!lives) return false;
   if (project.is_on) deliver(run.trace, item.projected);
   TextureSecondRecord second;
-  const bool goes_on = model::fragment_texture_second(run.pipeline, item.fragment, item.lod, item.texel,
+  FragmentRecord own;
+  const FragmentRecord& looked_up =
+      model::as_second(run.pipeline.channels, item.fragment, &item.channels, own);
+  const bool goes_on = model::fragment_texture_second(run.pipeline, looked_up, item.lod, item.texel,
                                                       project.is_on ? &item.projected : nullptr, second);
   deliver(run.trace, second);
   item.texel = model::combined(item.texel, second);
@@ -38,8 +41,9 @@ inline bool texture_values(Run& run, FragmentItem& item) {
     distance_values(run, item);
     lod_values(run, item);
   }
-  const bool lives =
-      model::fragment_texture(run.pipeline, item.fragment, run.image(item), item.lod, item.texel);
+  FragmentRecord own;
+  const FragmentRecord& drawn = model::as_drawn(run.pipeline.channels, item.fragment, &item.channels, own);
+  const bool lives = model::fragment_texture(run.pipeline, drawn, run.image(item), item.lod, item.texel);
   deliver(run.trace, item.texel);
   const bool goes_on = second_values(run, item, lives);
   if (!goes_on) ++run.counters.killed;

@@ -85,8 +85,10 @@ class TextureTraffic {
         misses(model::lookup_at(pipeline.texture, item.lod), item.surface.texture, f.u, f.v, item.lod);
     const model::TextureStage& second = pipeline.texture_second.fetch;
     if (!pipeline.project.is_on) {
-      return asks_of(first + misses(model::lookup_at(second, item.second_lod), pipeline.state.texture1, f.u,
-                                    f.v, item.second_lod));
+      FragmentRecord own;
+      const FragmentRecord& at = model::as_second(pipeline.channels, f, &item.channels, own);
+      return asks_of(first + misses(model::lookup_at(second, item.second_lod), pipeline.state.texture1, at.u,
+                                    at.v, item.second_lod));
     }
     const ProjectRecord& p = item.projected;
     return asks_of(first + (p.inside == 0

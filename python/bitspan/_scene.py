@@ -14,7 +14,7 @@ from ._core import InputError, SceneHandle, texel_formats
 
 #: The columns of a vertex and their defaults: [pixel], [unit of s], [texel], 0 to 1.
 VERTEX = {"x": 0.0, "y": 0.0, "s": 1.0, "u": 0.0, "v": 0.0, "r": 1.0, "g": 1.0, "b": 1.0, "a": 1.0, "fog": -1.0,
-          "project_x": 0.0, "project_y": 0.0, "project_w": 0.0}
+          "project_x": 0.0, "project_y": 0.0, "project_w": 0.0, "z": -1.0, "u2": 0.0, "v2": 0.0}
 
 
 def _vertices(vertices: Any) -> NDArray[np.float64]:
@@ -126,7 +126,9 @@ class Scene:
         vertices    (n, 3, k): per corner x, y [pixel, origin top left, pixel centres at .5], s [distance along the view axis],
                     u, v [texel], r, g, b, a [0 to 1], fog [factor of fog.mode = vertex, 0 to 1; -1: it follows from s];
                     project_x, project_y, project_w [W is the distance along the projector's axis, X / W and Y / W are column
-                    and row of its texture]; k from 3 to 13, the columns left out are 0, 0, 1, 1, 1, 1, -1, 0, 0, 0
+                    and row of its texture]; z [depth of depth.line = z, 0 nearest to 1; -1: it follows from s]; u2, v2 [texel,
+                    of the second unit with texture.second = own]; k from 3 to 16, the columns left out are 0, 0, 1, 1, 1, 1,
+                    -1, 0, 0, 0, -1, 0, 0
         texture     the index into `textures` per triangle, or one for all; -1: none
         textures    (height, width, 3 or 4) arrays of uint8, or Texels
         s_range     the range of s that the formats are scaled for
@@ -183,7 +185,7 @@ class Scene:
 
     @property
     def vertices(self) -> NDArray[np.float64]:
-        """(n, 3, 13) float64: x, y, s, u, v, r, g, b, a, fog, project_x, project_y, project_w per corner; a view of the scene's memory."""
+        """(n, 3, 16) float64: the columns of VERTEX per corner; a view of the scene's memory."""
         return self._handle.vertices
 
     @property

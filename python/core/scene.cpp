@@ -11,6 +11,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstring>
 #include <string>
 
 #include "lib/status.hpp"
@@ -19,7 +21,7 @@
 namespace bitspan::python {
 namespace {
 
-constexpr std::size_t columns = 13;  // x, y, s, u, v, r, g, b, a, fog, project_x, project_y, project_w
+constexpr std::size_t columns = 16;  // those of VERTEX in _scene.py
 static_assert(sizeof(bs_vertex) == sizeof(std::size_t) + columns * sizeof(double));
 
 using Rgb = std::array<std::uint8_t, 3>;
@@ -103,7 +105,7 @@ SceneHandle SceneHandle::make(
     const Indices& texture_of, const std::vector<std::variant<Bytes, Formatted>>& textures,
     const bs_scene_desc& desc, std::string name) {
   if (vertices.shape(1) != 3 || vertices.shape(2) != columns || texture_of.shape(0) != vertices.shape(0)) {
-    throw InputError("vertices, texture_of: are not of one length; expected (n, 3, 13) and (n)");
+    throw InputError("vertices, texture_of: are not of one length; expected (n, 3, 16) and (n)");
   }
   SceneHandle out;
   out.desc_ = desc;
@@ -111,8 +113,9 @@ SceneHandle SceneHandle::make(
   out.desc_.name = out.name_->c_str();
   const double* from = vertices.data();
   for (std::size_t i = 0; i < 3 * vertices.shape(0); ++i, from += columns) {
-    out.own_vertices_.push_back({sizeof(bs_vertex), from[0], from[1], from[2], from[3], from[4], from[5],
-                                 from[6], from[7], from[8], from[9], from[10], from[11], from[12]});
+    bs_vertex vertex = BS_VERTEX_INIT;
+    std::memcpy(reinterpret_cast<char*>(&vertex) + offsetof(bs_vertex, x), from, columns * sizeof(double));
+    out.own_vertices_.push_back(vertex);
   }
   out.own_texture_of_.assign(texture_of.data(), texture_of.data() + texture_of.shape(0));
   for (const auto& given : textures) {

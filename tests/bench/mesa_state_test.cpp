@@ -272,7 +272,12 @@ class Mesa {
       for (const Vertex& v : scene.triangles[i].v) {
         glColor4d(v.c[0], v.c[1], v.c[2], v.c[3]);
         textures.look_up(v);
-        glVertex3d(v.x, side - v.y, -v.s / scene.s_max);
+        if (v.z < 0) {
+          glVertex3d(v.x, side - v.y, -v.s / scene.s_max);
+          continue;
+        }
+        // In front of glOrtho's matrix: its z runs from 0 to -1 where the depth runs from 0 to 1.
+        glVertex4d(v.x * v.s, (side - v.y) * v.s, -v.z * v.s, v.s);
       }
       glEnd();
     }
@@ -523,6 +528,7 @@ struct Kind {
   bool is_single = false;
   bool has_levels = false;      // of textures, for which make_levels() draws all registers
   bool has_zero_alpha = false;  // every other triangle has alpha 0, and alpha.zero is keep
+  bool has_lines = false;       // vertices give w and z: the depth and perspective of make_lines()
 };
 
 Case make_case(const Kind& kind, Random& random, std::uint64_t number, const Config& config) {
@@ -582,6 +588,58 @@ Case make_case(const Kind& kind, Random& random, std::uint64_t number, const Con
 // Two triangles that cover the picture, parallel to it. A step of a pixel is a step of a power of two texels,
 // so that the level of detail is that whole number and the bias. Centres lie well inside of texels. OpenGL
 // leaves open what a least level above the greatest one does.
+// As a driver has its triangles: w per vertex, a depth z that has nothing to do with it, and colours that are
+// linear in space. Without: colours of the first vertex, depths by w.
+Case make_lines(Random& random, const Config& config) {
+  Case out;
+  Scene& scene = out.scene;
+  scene.width = scene.height = side;
+  scene.s_min = 1;
+  scene.s_max = 20;
+  DrawState first = first_state(config);
+  first.depth_func = DepthFunc::less;
+  first.blend_src = first.blend_alpha_src = BlendFactor::one;
+  first.blend_dst = first.blend_alpha_dst = BlendFactor::zero;
+  scene.commands.push_back({0, change_to(first)});
+  for (int i = 0; i < 6; ++i) {
+    Triangle t = random_triangle(random, false);
+    for (Vertex& v : t.v) {
+      v.s = random.log_uniform(1, 20);
+      v.z = random.uniform(0, 1);
+    }
+    scene.triangles.push_back(t);
+  }
+  out.without = scene;
+  for (Triangle& t : out.without.triangles) {
+    for (Vertex& v : t.v) {
+      v.c = t.v[0].c;
+      v.z = -1;
+    }
+  }
+  out.states = {first};
+  return out;
+}
+// Leaves out pixels at which the two least depths are so close that rounding decides.
+void keep_apart(const Scene& scene, std::vector<std::uint64_t>& compared) {
+  constexpr double apart = 1e-4;
+  for (std::size_t i = 0; i < compared.size(); ++i) {
+    const double x = static_cast<double>(i % side) + 0.5, y = static_cast<double>(i / side) + 0.5;
+    double least = 2, next = 2;
+    for (std::size_t t = 0; t < scene.triangles.size(); ++t) {
+      if ((compared[i] >> t & 1) == 0) continue;
+      const auto& [a, b, c] = scene.triangles[t].v;
+      const auto area = [](double ax, double ay, double bx, double by) { return ax * by - ay * bx; };
+      const double whole = area(b.x - a.x, b.y - a.y, c.x - a.x, c.y - a.y);
+      const double of_b = area(x - a.x, y - a.y, c.x - a.x, c.y - a.y) / whole;
+      const double of_c = area(b.x - a.x, b.y - a.y, x - a.x, y - a.y) / whole;
+      const double z = a.z + of_b * (b.z - a.z) + of_c * (c.z - a.z);
+      next = std::min(next, std::max(least, z));
+      least = std::min(least, z);
+    }
+    if (next - least < apart) compared[i] = 0;
+  }
+}
+
 Case make_levels(Random& random, const Config& config) {
   Case out;
   Scene& scene = out.scene;
@@ -683,6 +741,7 @@ Tally compare(const Kind& kind, const std::string& driver, std::uint64_t cases, 
   if (is_long_run()) cases *= 20;
   const auto make = [&](std::uint64_t number) {
     Random random(seed() * 1'000'003 + number);
+    if (kind.has_lines) return make_lines(random, config);
     return kind.has_levels ? make_levels(random, config) : make_case(kind, random, number, config);
   };
   MesaChild mesa(driver, config, cases, [&](std::uint64_t number) { return make(number).scene; });
@@ -691,7 +750,8 @@ Tally compare(const Kind& kind, const std::string& driver, std::uint64_t cases, 
   Tally tally;
   for (std::uint64_t number = 0; number < cases; ++number) {
     const Case drawn = make(number);
-    const std::vector<std::uint64_t> compared = interior(drawn.scene);
+    std::vector<std::uint64_t> compared = interior(drawn.scene);
+    if (kind.has_lines) keep_apart(drawn.scene, compared);
     const Picture ours = draw(*engine, drawn.scene);
     const Picture without = draw(*engine, drawn.without);
     Picture theirs;
@@ -819,6 +879,20 @@ TEST(MesaState, LevelsOfTextures) {
                       .has_levels = true};
       expect_all(compare(kind, driver, 100, config),
                  {"texture.filter", "texture.magnify", "texture1.filter", "texture1.magnify"});
+    }
+  }
+}
+
+// A vertex's z apart from its w, and colours that are linear in space.
+TEST(MesaState, LinesOfADriver) {
+  Config config = shipped_config("depth20");
+  config.depth_code = DepthCode::opengl;
+  config.depth_line = DepthLine::z;
+  for (const Perspective perspective : {Perspective::delta_f, Perspective::hyperbolic}) {
+    config.perspective = perspective;
+    config.shade_lines = ShadeLines::perspective;
+    for (const char* driver : drivers) {
+      compare({.name = "z and w", .is_flat = false, .registers = {}, .has_lines = true}, driver, 80, config);
     }
   }
 }

@@ -55,7 +55,7 @@ struct Described {
     for (const Triangle& t : s.triangles) {
       for (const Vertex& v : t.v) {
         vertices.push_back({sizeof(bs_vertex), v.x, v.y, v.s, v.u, v.v, v.c[0], v.c[1], v.c[2], v.c[3], v.fog,
-                            v.project_x, v.project_y, v.project_w});
+                            v.project_x, v.project_y, v.project_w, v.z, v.u2, v.v2});
       }
       texture_of.push_back(t.texture);
     }

@@ -106,7 +106,7 @@ class Scenes(unittest.TestCase):
         self.assertEqual((bitspan.Scene().width, bitspan.Scene().height), (640, 480))
         scene = bitspan.Scene("demo", 80, 60)
         self.assertEqual((scene.width, scene.height, scene.name), (80, 60, "demo"))
-        self.assertEqual(scene.vertices.shape, (len(scene), 3, 13))
+        self.assertEqual(scene.vertices.shape, (len(scene), 3, 16))
         self.assertTrue(bitspan.Scene(SOURCE / "tests/data/spot.obj", 64, 48).vertices.shape[0] > 1000)
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder) / "a.obj"
@@ -138,7 +138,7 @@ class Scenes(unittest.TestCase):
 
     def test_columns_that_are_left_out_have_defaults(self):
         scene = bitspan.Scene.from_vertices(np.array(triangle())[..., :3], 64, 64)
-        self.assertEqual(scene.vertices[0, 1].tolist(), [48, 8, 5, 0, 0, 1, 1, 1, 1, -1, 0, 0, 0])
+        self.assertEqual(scene.vertices[0, 1].tolist(), [48, 8, 5, 0, 0, 1, 1, 1, 1, -1, 0, 0, 0, -1, 0, 0])
         self.assertEqual(scene.texture_of.tolist(), [-1])
 
     def test_textures_fog_and_background(self):
@@ -176,9 +176,9 @@ class Scenes(unittest.TestCase):
 
     def test_projectors(self):
         config = bitspan.Config("depth16").with_({"project.unit": "reciprocal"})
-        corners = np.zeros((1, 3, 13))
+        corners = np.zeros((1, 3, 16))
         corners[..., :5] = [[(8, 8, 5, 0, 0), (48, 8, 5, 0, 0), (8, 48, 5, 0, 0)]]
-        corners[..., 5:9], corners[..., 9] = 1, -1
+        corners[..., 5:9], corners[..., 9], corners[..., 13] = 1, -1, -1
         corners[..., 10:12], corners[..., 12] = 4, 2  # texel (2, 2)
         texels = np.zeros((4, 4, 3), np.uint8)
         texels[2, 2] = (10, 200, 30)
@@ -198,6 +198,16 @@ class Scenes(unittest.TestCase):
             with self.assertRaises(bitspan.InputError):
                 bitspan.Scene.from_vertices(corners, 64, 64, projector=bad)
 
+    def test_own_depth(self):
+        corners = np.zeros((1, 3, 16))
+        corners[..., :5] = [[(8, 8, 5, 0, 0), (48, 8, 9, 0, 0), (8, 48, 2, 0, 0)]]
+        corners[..., 5:9], corners[..., 9], corners[..., 13] = 1, -1, 0.25
+        config = bitspan.Config("depth16").with_({"depth.line": "z"})
+        drawn = bitspan.render(bitspan.Scene.from_vertices(corners, 64, 64), config)
+        self.assertEqual(set(drawn.depth[drawn.triangle >= 0]), {49151})
+        by_distance = bitspan.render(bitspan.Scene.from_vertices(corners[..., :13], 64, 64), config)
+        self.assertGreater(len(set(by_distance.depth[by_distance.triangle >= 0])), 100)
+
     def test_textures_of_texel_formats(self):
         raw = np.full((8, 4), 31 << 11, "<u2")  # red of rgb565
         red = bitspan.Texels("rgb565", raw.tobytes(), 4, 8)
@@ -216,7 +226,7 @@ class Scenes(unittest.TestCase):
     def test_a_scene_outlives_its_handle(self):
         vertices = bitspan.Scene("demo", 80, 60).vertices
         gc.collect()
-        self.assertEqual(vertices.shape[1:], (3, 13))
+        self.assertEqual(vertices.shape[1:], (3, 16))
         self.assertTrue(np.isfinite(vertices).all())
         self.assertFalse(vertices.flags.writeable)
 
@@ -1066,7 +1076,7 @@ class BadInput(unittest.TestCase):
             (lambda: bitspan.Scene("demo", 10**20, 5), "width"),
             (lambda: make("text"), "vertices"),
             (lambda: make([[1, 2, 3]]), r"\(n, 3, k\)"),
-            (lambda: make(np.zeros((2, 3, 14))), r"\(n, 3, k\)"),
+            (lambda: make(np.zeros((2, 3, 17))), r"\(n, 3, k\)"),
             (lambda: make(nan), "x or y is nan"),
             (lambda: make(triangle(x=1e9)), "x or y"),
             (lambda: make(triangle(), texture=0), "texture: 0"),

@@ -204,7 +204,8 @@ TEST(RandomConfig, PiecesOfASceneJudgeAsTheWhole) {
     };
     std::string whole;
     while (whole.empty() && format.word > 1 && format.integer > 1 - format.fraction()) {
-      whole = error_of([&] { check_scene_range(config, scene); });
+      whole = error_of([&] { check_scene_range(config, scene, RangeBy::triangles); });
+      EXPECT_EQ(error_of([&] { check_scene_range(config, scene); }).empty(), whole.empty());
       EXPECT_EQ(error_of([&] { in_pieces(RangeBy::triangles); }), whole);
       EXPECT_EQ(error_of([&] { in_pieces(RangeBy::bounds); }).empty(), whole.empty());
       --format.word;

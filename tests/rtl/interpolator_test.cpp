@@ -153,6 +153,11 @@ TEST(Interpolator, ChannelsInEveryMode) {
     Config c = shipped_config("depth16");
     c.perspective = mode;
     c.fog = FogMode::vertex;
+    c.depth_line = DepthLine::z;
+    if (mode == Perspective::delta_f) {
+      c.shade_lines = ShadeLines::perspective;
+      c.second_coordinates = SecondCoordinates::own;
+    }
     check_config_on(random, c, 200);
     c.rtl.shades = false;
     if (mode != Perspective::const_depth_rows) c.row_slope = RowSlope::divide;
@@ -171,6 +176,7 @@ TEST(Interpolator, DigitsAndTurns) {
     Config c = shipped_config(shape.name);
     c.rtl.product_digits = shape.digits;
     c.rtl.pixel_clocks = shape.pixel_clocks;
+    if (shape.digits > 1) c.shade_lines = ShadeLines::perspective;
     Random random(18);
     check_config_on(random, c, 200);
   }
@@ -183,7 +189,7 @@ TEST(Interpolator, BugsInDigitsAndTurnsAreSeen) {
       {"rtl/mul_digits.sv", "assign low = high_q[W-1:0];", "assign low = high_q[W:1];"},
       {"rtl/setup_mac.sv", "if (loaded_q[Digits-1]) begin", "if (loaded_q[Digits]) begin"},
       {"rtl/multiply_round_turns.sv", "(SumFrac - CFrac)) + Half", "(SumFrac - CFrac))"},
-      {"rtl/span.sv", "(LastSlot - 1) % Interval", "LastSlot % Interval"},
+      {"rtl/span_quotients.sv", "(LastSlot - 1) % Interval", "LastSlot % Interval"},
       {"rtl/span.sv", "assign issues = en && slot;", "assign issues = en;"},
       {"rtl/span_delay.sv", "(To - From - 1) / Interval", "(To - From) / Interval"},
   };

@@ -241,7 +241,12 @@ SpanChannelRecord span_setup(const Config& c, const RowRecord& row, const SpanRe
     r.w_step0 = r.w_step1 = quantize((value(ends.r, end) - value(ends.l, end)) * inverse, step);
   }
   const Rational p = row.x_first + half() - value(row.l_x, x);
-  r.w = quantize(value(ends.l, end) + value(r.w_step0, step) * p, c.format(line.row.acc));
+  Rational start = value(ends.l, end) + value(r.w_step0, step) * p;
+  if (line.row.offset != nullptr) {
+    const Rational kept_ulp = line.row.half_ulp_of ? ulp(c.format(*line.row.half_ulp_of)) : Rational(1);
+    start += offset(c.start_offset.*line.row.offset, kept_ulp);
+  }
+  r.w = quantize(start, c.format(line.row.acc));
   return r;
 }
 
@@ -317,9 +322,12 @@ std::vector<FragmentChannelRecord> span(const Config& c, const SpanChannelRecord
   std::vector<FragmentChannelRecord> values;
   std::int64_t w = record.w;
   for (const Pixel& pixel : pixels) {
-    values.push_back({.x = pixel.fragment.x,
-                      .channel = record.channel,
-                      .w = quantize(value(w, acc), c.format(line.row.kept))});
+    Rational kept = value(w, acc);
+    if (line.span_divides) {
+      kept *= scaled({pixel.fragment.recip_m, static_cast<int>(pixel.fragment.recip_e)}, c.pixel_reciprocal);
+    }
+    values.push_back(
+        {.x = pixel.fragment.x, .channel = record.channel, .w = quantize(kept, c.format(line.row.kept))});
     w = quantize(value(w, acc) + value(pixel.step ? record.w_step1 : record.w_step0, step), acc);
   }
   return values;

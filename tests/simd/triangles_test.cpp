@@ -242,7 +242,7 @@ TEST(Triangles, RandomConfigurations) {
     if (c.perspective == Perspective::const_depth_rows) {
       throw InputError("not walked by rows");
     }
-    if (has_dz(c.depth_code)) throw InputError("its gradients are not in lanes");
+    if (has_setup_gradients(c)) throw InputError("its gradients are not in lanes");
     if (ChannelList(c).size() > 0) throw InputError("channels are not in lanes");
   };
   RandomOptions scenes = small_scenes();
@@ -274,7 +274,7 @@ TEST(Triangles, RandomConfigurationsOfBranchFreeRegisters) {
     if (c.perspective == Perspective::const_depth_rows) {
       throw InputError("not walked by rows");
     }
-    if (has_dz(c.depth_code)) throw InputError("its gradients are not in lanes");
+    if (has_setup_gradients(c)) throw InputError("its gradients are not in lanes");
     if (ChannelList(c).size() > 0) throw InputError("channels are not in lanes");
   };
   RandomOptions scenes = small_scenes();

@@ -268,6 +268,13 @@ std::vector<Config> further_modes() {
   add(projects);
   projects.row_slope = RowSlope::plane;
   add(projects);
+  Config own_lines = base;
+  own_lines.shade_lines = ShadeLines::perspective;
+  own_lines.depth_line = DepthLine::z;
+  own_lines.second_coordinates = SecondCoordinates::own;
+  add(own_lines);
+  own_lines.row_slope = RowSlope::plane;
+  add(own_lines);
   Config subspans = base;
   subspans.subspan_bits = 4;
   add(subspans);

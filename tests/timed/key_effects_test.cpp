@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <optional>
 #include <string_view>
@@ -45,6 +46,16 @@ Scene small_scene(bool mip_chains = false) {
   scene.triangles[3].v[0].s = scene.s_min;
   scene.triangles[3].v[1].s = scene.s_max;
   for (std::size_t i = 0; i < scene.triangles.size(); i += 2) scene.triangles[i].v[1].c[3] = 0.05;
+  // A depth and coordinates of their own, for configurations that take them.
+  for (std::size_t i = 0; i < scene.triangles.size(); i += 3) {
+    for (Vertex& v : scene.triangles[i].v) v.z = std::fmod(0.37 * (v.x + v.y + 40), 1);
+  }
+  for (Triangle& t : scene.triangles) {
+    for (Vertex& v : t.v) {
+      v.u2 = -v.v;
+      v.v2 = 2 * v.u;
+    }
+  }
   for (std::size_t i = 0; i < scene.textures[0].rgba.size(); i += 12) {  // holes, where they are configured
     scene.textures[0].rgba[i] = scene.textures[0].rgba[i + 2] = 255;
     scene.textures[0].rgba[i + 1] = 0;
@@ -218,6 +229,16 @@ std::vector<Config> bases() {
     EXPECT_FALSE(first_violation(c).has_value()) << first_violation(c)->key << first_violation(c)->text;
     out.push_back(c);
   }
+  // Lines of their own.
+  for (const std::size_t base : {0, 2}) {
+    Config c = out[base];
+    c.shade_lines = ShadeLines::perspective;
+    c.depth_line = DepthLine::z;
+    c.second_coordinates = SecondCoordinates::own;
+    if (base == 2) c.row_slope = RowSlope::plane;  // which has gradients
+    EXPECT_FALSE(first_violation(c).has_value()) << first_violation(c)->key << first_violation(c)->text;
+    out.push_back(c);
+  }
   // Caches that hold part of the buffers, in front of a memory so slow that every miss shows.
   Config c = out.front();
   c.memory.width_bytes = 1;
@@ -349,7 +370,11 @@ constexpr std::size_t parts_of_values = 8;  // as all of them take minutes
 // The gate tries an eighth of the keys.
 bool is_tried(const Key& key) { return in_gate(index_of(key) / parts_of_values, 8); }
 
-TEST(KeyEffects, Ideal) { expect_column(affects::ideal, ideal_of, {}, every_key); }
+TEST(KeyEffects, Ideal) {
+  expect_column(affects::ideal, ideal_of,
+                {{"texture.second", "no scene here has a second texture; OwnLines of stages_test does"}},
+                every_key);
+}
 
 TEST(KeyEffects, Rtl) {
   std::vector<Config> all = bases();
@@ -420,7 +445,10 @@ TEST(KeyEffects, Clocks) {
                  {"formats.fog.step.int", wider},
                  {"formats.fog.acc.signed", wider},
                  {"formats.fog.acc.word", wider},
-                 {"formats.fog.acc.int", wider}},
+                 {"formats.fog.acc.int", wider},
+                 {"formats.shade.step.signed", wider},
+                 {"formats.shade.step.word", wider},
+                 {"formats.shade.step.int", wider}},
                 [](const Key& key) {
                   return is_tried(key) && !needs_projector(key) &&
                          (affects_it(key, affects::clocks) || !affects_it(key, affects::values));

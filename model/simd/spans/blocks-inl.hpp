@@ -80,6 +80,8 @@ class Filler {
         bases = bases | magnitude(Lanes::load(work_.u1 + k)) | magnitude(Lanes::load(work_.v1 + k));
       }
     }
+    divided_ = 0;
+    for (std::size_t c = 0; c < pipeline_.channels.in_use.size(); ++c) take_divided(c);
     if (fits_lanes(pipeline_.span, numerators, bases)) {
       evaluate<Lanes>();
     } else {
@@ -94,6 +96,7 @@ class Filler {
     const FormatsOf<SpanFormats, fixed> f(pipeline_.span.formats);
     const std::array<T*, 4> shades{block_.r, block_.g, block_.b, block_.a};
     const auto triangle = static_cast<std::int32_t>(triangle_);
+    const std::size_t linear_shades = pipeline_.channels.shades_at < 0 ? channel_count : 0;
     for (std::size_t k = 0; k < n; k += Lanes::count) {
       const std::size_t to = block_.size + k;
       const HalfVector half = hn::LoadU(Half(), index + k);
@@ -107,7 +110,7 @@ class Filler {
                  block_.pixel + to);
       hn::StoreU(hn::Set(Half(), triangle), Half(), block_.triangle + to);
       if constexpr (sizeof(T) == sizeof(std::int64_t)) {
-        for (std::size_t c = 0; c < channel_count; ++c) {
+        for (std::size_t c = 0; c < linear_shades; ++c) {
           shade_of(pipeline_.span, *f, at(s[3 + c], place), Watch{}).store(shades[c] + to);
         }
       }
@@ -115,7 +118,7 @@ class Filler {
     if constexpr (sizeof(T) == sizeof(std::int32_t)) {
       for (std::size_t k = 0; k < n; k += Lanes32::count) {
         const Lanes32 place = Lanes32::load(index + k);
-        for (std::size_t c = 0; c < channel_count; ++c) {
+        for (std::size_t c = 0; c < linear_shades; ++c) {
           quantize(at32(s[3 + c], place), (*f).shade_acc.acc.fraction, (*f).shade, Watch{})
               .store(shades[c] + block_.size + k);
         }
@@ -129,7 +132,9 @@ class Filler {
       const ChannelForm& form = pipeline_.channels.in_use[c];
       for (std::size_t k = 0; k < n; k += Lanes::count) {
         const Lanes place = widened(hn::LoadU(Half(), index + k));
-        const Lanes value = quantize(at(s[c], place), form.acc.fraction, form.value, NoObserve{});
+        const Lanes acc = at(s[c], place);
+        const Lanes value =
+            form.span_divides ? acc : quantize(acc, form.acc.fraction, form.value, NoObserve{});
         value.store(block_.channel[c] + block_.size + k);
         if (form.line == LineId::fog) store_as(block_.fog_factor + block_.size + k, value);
       }
@@ -139,6 +144,44 @@ class Filler {
   bool shared() const { return draw_.shared; }
 
  private:
+  // A channel that the span divides: where it goes, and whether its products need 128 bits.
+  struct Divided {
+    const ChannelForm* form;
+    const std::int64_t* acc;
+    T* to;
+    bool is_wide;
+  };
+  void take_divided(std::size_t c) {
+    const ChannelStage& stage = pipeline_.channels;
+    const ChannelForm& form = stage.in_use[c];
+    if (!form.span_divides) return;
+    const std::int64_t* acc = block_.channel[c];
+    Lanes all(0);
+    for (std::size_t k = 0; k < block_.size; k += Lanes::count) all = all | magnitude(Lanes::load(acc + k));
+    const std::array<T*, 4> shades{block_.r, block_.g, block_.b, block_.a};
+    const int place = static_cast<int>(c);
+    T* const to = stage.second_at >= 0 && place >= stage.second_at
+                      ? (place == stage.second_at ? block_.u2 : block_.v2)
+                      : shades[static_cast<std::size_t>(place - stage.shades_at)];
+    of_divided_[divided_++] = {&form, acc, to, bits_of(all) + form.product_growth > 61};
+  }
+  // q: h + B; recip_m, recip_e: of it, where the mode takes it.
+  HWY_INLINE void divide(const SpanFormats& f, Lanes q, Lanes recip_m, Lanes recip_e, std::size_t k) {
+    constexpr NoObserve watch;
+    for (std::size_t i = 0; i < divided_; ++i) {
+      const auto& [form, column, to, is_wide] = of_divided_[i];
+      const Lanes acc = Lanes::load(column + k);
+      if (!pipeline_.channels.by_reciprocal) {
+        const Lanes d = at_least_one(q);
+        store_as(to + k, quantize_ratio(acc, d, f.q_fraction - form->acc.fraction, form->value, watch));
+        continue;
+      }
+      const Lanes fraction = recip_e + Lanes(form->acc.fraction + f.reciprocal.output.fraction);
+      store_as(to + k, is_wide ? quantize(times<WideLanes>(acc, recip_m), fraction, form->value, watch)
+                               : quantize(times<Lanes>(acc, recip_m), fraction, form->value, watch));
+    }
+  }
+
   // A ramp of a register of at most 31 bits, in whose range all its values are.
   HWY_INLINE Lanes32 at32(const Sequence& s, Lanes32 index) {
     if (s.values != nullptr) [[unlikely]] {
@@ -167,6 +210,9 @@ class Filler {
                                             Lanes::load(work_.v1 + k), aligned, Watch{});
       store_as(block_.u + k, point.u);
       store_as(block_.v + k, point.v);
+      if (divided_ != 0) {
+        divide(f, (Lanes::load(block_.h + k) << f.h_up) + b, point.recip_m, point.recip_e, k);
+      }
     }
     if (has_fog_table(pipeline_.fog.mode)) {
       for (std::size_t k = 0; k < block_.size; k += Lanes::count) {
@@ -181,6 +227,8 @@ class Filler {
   BlockSink<T>& sink_;
   SpanDraw draw_;
   std::int64_t triangle_ = -1;
+  std::array<Divided, channel_limit> of_divided_;  // the first `divided_` of them
+  std::size_t divided_ = 0;
 };
 
 }  // namespace

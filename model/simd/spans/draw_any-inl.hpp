@@ -72,6 +72,7 @@ void draw_any(const Pipeline& pipeline, const Columns<SpanRecord>& spans,
   const bool late = is_late(pipeline.state.depth_when);
   std::uint64_t fragments = 0;
   const std::size_t in_use = pipeline.channels.in_use.size();
+  const int depth_at = pipeline.channels.depth_at;
   Sequences s;
   PerChannel<Sequence> of_channels;
   HWY_ALIGN std::int32_t places[block_size + column_slack];
@@ -92,7 +93,9 @@ void draw_any(const Pipeline& pipeline, const Columns<SpanRecord>& spans,
                 of_channels);
     for (std::size_t from = 0; from < count; from += block_size) {
       const std::size_t to = std::min(count, from + block_size);
-      depth_words<Watch>(pipeline.depth, s[0], draw.log2_dz, from, to, codes);
+      // The channel z has the registers of h.
+      const Sequence& line = depth_at < 0 ? s[0] : of_channels[static_cast<std::size_t>(depth_at)];
+      depth_words<Watch>(pipeline.depth, line, draw.log2_dz, from, to, codes);
       std::size_t n = 0;
       if (!late && tests.depth_alone()) {
         n = keep_passing(pipeline.depth, frame.depth.data() + first_pixel, from, to, places, codes);
