@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "golden/channel.hpp"
 
+#include <algorithm>
+
 #include "golden/fog.hpp"
 
 namespace bitspan::golden {
@@ -44,6 +46,10 @@ std::vector<LineId> channels_in_use(const Config& config, const Scene& scene) {
     if (asks_for(scene, channel_line(channel))) out.push_back(channel_line(channel));
   }
   return out;
+}
+
+std::ptrdiff_t place_of(const Constants& constants, LineId channel) {
+  return std::ranges::find(constants.channels, channel) - constants.channels.begin();
 }
 
 std::int64_t channel_at(LineId channel, const Vertex& vertex, Quad h, const Constants& constants,

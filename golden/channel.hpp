@@ -3,6 +3,7 @@
 // "Channels".
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "config/lines.hpp"
@@ -13,6 +14,8 @@
 namespace bitspan::golden {
 
 std::vector<LineId> channels_in_use(const Config& config, const Scene& scene);
+// Where a channel stands among those in use; behind them where it is not in use.
+std::ptrdiff_t place_of(const Constants& constants, LineId channel);
 
 // Returns Q of the value at a vertex as a raw value; q is that of the channel's register there, and h the
 // vertex's as setup has it.

@@ -10,6 +10,7 @@
 #include "config/modes.hpp"
 #include "engine/drawn_scene.hpp"
 #include "engine/rows.hpp"
+#include "golden/channel.hpp"
 #include "golden/depth.hpp"
 #include "golden/distance.hpp"
 #include "golden/edge_walk.hpp"
@@ -401,11 +402,11 @@ class GoldenEngine final : public Engine, public RowEngine {
     drawn_.clear();
     if (!has_own_depth(config_.depth_line) && !has_perspective_shades(config_.shade_lines)) return;
     drawn_.assign(fragments.begin(), fragments.end());
-    for (std::size_t i = 0; i < fragments.size(); ++i) {
-      const FragmentChannelRecord* own = channels_of(fragments[i], out);
-      for (const auto& [channel, field] : replaced_fields) {
-        const auto at = std::ranges::find(constants_.channels, channel);
-        if (at != constants_.channels.end()) drawn_[i].*field = own[at - constants_.channels.begin()].w;
+    for (const auto& [channel, field] : replaced_fields) {
+      const std::ptrdiff_t place = place_of(constants_, channel);
+      if (place == std::ssize(constants_.channels)) continue;
+      for (std::size_t i = 0; i < fragments.size(); ++i) {
+        drawn_[i].*field = channels_of(fragments[i], out)[place].w;
       }
     }
   }
@@ -522,11 +523,8 @@ class GoldenEngine final : public Engine, public RowEngine {
     if (is_projected(state_)) project_(fragments, channels, images.front(), out.project);
     std::vector<FragmentRecord> own;
     if (has_second_coordinates(config_.second_coordinates)) {
-      const auto place = [&](LineId id) {
-        return std::ranges::find(constants_.channels, id) - constants_.channels.begin();
-      };
-      const std::ptrdiff_t u2 = place(LineId::u2);
-      const std::ptrdiff_t v2 = place(LineId::v2);
+      const std::ptrdiff_t u2 = place_of(constants_, LineId::u2);
+      const std::ptrdiff_t v2 = place_of(constants_, LineId::v2);
       for (std::size_t i = 0; i < fragments.size(); ++i) {
         own.push_back(*fragments[i]);
         own.back().u = channels[i][u2].w;

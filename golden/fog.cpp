@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "config/modes.hpp"
+#include "golden/channel.hpp"
 #include "golden/distance.hpp"
 #include "golden/lanes.hpp"
 #include "golden/log2.hpp"
@@ -47,7 +48,7 @@ class Fogging {
         unit_(config.pixel_reciprocal, depth_sum_fraction(config, FormatId::span_h)),
         quick_color_(config.format(FormatId::fog_color)) {
     no_fog_ = q_factor_.raw(q_factor_(Real(1)));
-    channel_ = std::ranges::find(constants.channels, LineId::fog) - constants.channels.begin();
+    channel_ = place_of(constants, LineId::fog);
     if (scene.fog) {
       for (std::size_t i = 0; i < 3; ++i) fog_[i] = Real(scene.fog->color[i]);
     }

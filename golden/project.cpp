@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "golden/project.hpp"
 
-#include <algorithm>
-
 #include "config/modes.hpp"
+#include "golden/channel.hpp"
 #include "golden/lines.hpp"
 #include "golden/reciprocal.hpp"
 #include "golden/with_real.hpp"
@@ -33,12 +32,9 @@ class Projecting {
     projector_b_ = q_b.value(constants.projector->b);
     projector_a_ = Quantizer<Real>(config.format(FormatId::distance_a))
                        .product(projector_b_, q_s.value(constants.projector->s_max));
-    const auto place = [&](LineId id) {
-      return std::ranges::find(constants.channels, id) - constants.channels.begin();
-    };
-    x_ = place(LineId::project_x);
-    y_ = place(LineId::project_y);
-    w_ = place(LineId::project_w);
+    x_ = place_of(constants, LineId::project_x);
+    y_ = place_of(constants, LineId::project_y);
+    w_ = place_of(constants, LineId::project_w);
   }
 
   void operator()(std::span<const FragmentRecord* const> fragments,

@@ -372,12 +372,10 @@ void draw_pass(Random& random, Scene& scene) {
 
 void draw_given_attributes(Random& random, Scene& scene, double probability) {
   for (Triangle& triangle : scene.triangles) {
-    for (const GivenAttribute& given : given_attributes) {
-      if (given.key != "fog" || !random.chance(probability)) continue;
-      for (Vertex& v : triangle.v) v.*given.member = unit_value(random);
-    }
+    if (!random.chance(probability)) continue;
+    for (Vertex& v : triangle.v) v.fog = unit_value(random);
   }
-  // Behind the older one, whose numbers stay what they were.
+  // project_* are of draw_projection. These came later, and so stand behind fog, whose numbers stay.
   for (Triangle& triangle : scene.triangles) {
     if (random.chance(probability)) {
       for (Vertex& v : triangle.v) v.z = unit_value(random);

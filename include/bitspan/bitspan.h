@@ -191,9 +191,8 @@ typedef struct bs_vertex {
   /* In a scene with a projector: W is the distance along its axis, in the unit of s, and X / W and Y / W are
    * column and row of its texture, in texels. Default 0: outside of the texture. */
   double project_x, project_y, project_w;
-  double
-      z; /* with depth.line = z: the depth, linear on the screen, 0 (nearest) to 1; default -1: that of s */
-  double u2, v2; /* with texture.second = own: texels of the second texture unit; default 0 */
+  double z;      /* depth of depth.line = z, linear on the screen, 0 (nearest) to 1; default -1: that of s */
+  double u2, v2; /* texels of the second texture unit, with texture.second = own; default 0 */
 } bs_vertex;
 
 #define BS_VERTEX_INIT \

@@ -531,19 +531,30 @@ struct Kind {
   bool has_lines = false;       // vertices give w and z: the depth and perspective of make_lines()
 };
 
+Scene empty_picture() {
+  Scene scene;
+  scene.width = scene.height = side;
+  scene.s_min = 1;
+  scene.s_max = 20;
+  return scene;
+}
+// The first state, in which a fragment that passes replaces what is stored.
+DrawState replacing(const Config& config, DepthFunc func) {
+  DrawState state = first_state(config);
+  state.depth_func = func;
+  state.blend_src = state.blend_alpha_src = BlendFactor::one;
+  state.blend_dst = state.blend_alpha_dst = BlendFactor::zero;
+  return state;
+}
+
 Case make_case(const Kind& kind, Random& random, std::uint64_t number, const Config& config) {
   constexpr int below = 6, above = 10;
   Case out;
   Scene& scene = out.scene;
-  scene.width = scene.height = side;
-  scene.s_min = 1;
-  scene.s_max = 20;
+  scene = empty_picture();
   for (std::uint8_t& code : scene.background) code = static_cast<std::uint8_t>(random.integer(0, 255));
 
-  DrawState first = first_state(config);
-  first.depth_func = kind.is_single ? DepthFunc::always : DepthFunc::less;
-  first.blend_src = first.blend_alpha_src = BlendFactor::one;
-  first.blend_dst = first.blend_alpha_dst = BlendFactor::zero;
+  DrawState first = replacing(config, kind.is_single ? DepthFunc::always : DepthFunc::less);
   if (kind.has_zero_alpha) first.alpha_zero = AlphaZero::keep;
   scene.commands.push_back({0, change_to(first)});
   const int triangles = kind.is_single ? below + 1 : above;
@@ -583,23 +594,15 @@ Case make_case(const Kind& kind, Random& random, std::uint64_t number, const Con
   return out;
 }
 
-// ---- levels of textures ----
+// ---- a vertex with z and w ----
 
-// Two triangles that cover the picture, parallel to it. A step of a pixel is a step of a power of two texels,
-// so that the level of detail is that whole number and the bias. Centres lie well inside of texels. OpenGL
-// leaves open what a least level above the greatest one does.
 // As a driver has its triangles: w per vertex, a depth z that has nothing to do with it, and colours that are
 // linear in space. Without: colours of the first vertex, depths by w.
 Case make_lines(Random& random, const Config& config) {
   Case out;
   Scene& scene = out.scene;
-  scene.width = scene.height = side;
-  scene.s_min = 1;
-  scene.s_max = 20;
-  DrawState first = first_state(config);
-  first.depth_func = DepthFunc::less;
-  first.blend_src = first.blend_alpha_src = BlendFactor::one;
-  first.blend_dst = first.blend_alpha_dst = BlendFactor::zero;
+  scene = empty_picture();
+  const DrawState first = replacing(config, DepthFunc::less);
   scene.commands.push_back({0, change_to(first)});
   for (int i = 0; i < 6; ++i) {
     Triangle t = random_triangle(random, false);
@@ -640,12 +643,15 @@ void keep_apart(const Scene& scene, std::vector<std::uint64_t>& compared) {
   }
 }
 
+// ---- levels of textures ----
+
+// Two triangles that cover the picture, parallel to it. A step of a pixel is a step of a power of two texels,
+// so that the level of detail is that whole number and the bias. Centres lie well inside of texels. OpenGL
+// leaves open what a least level above the greatest one does.
 Case make_levels(Random& random, const Config& config) {
   Case out;
   Scene& scene = out.scene;
-  scene.width = scene.height = side;
-  scene.s_min = 1;
-  scene.s_max = 20;
+  scene = empty_picture();
   for (const auto& [width, height] : {std::pair{32, 32}, {16, 64}}) {
     Texture t{"random", width, height, {}};
     for (int i = 0; i < width * height; ++i) {
