@@ -219,7 +219,7 @@ Result check_lines(const Config& c) {
   if (has_second_coordinates(c.second_coordinates) && !divides) {
     return undivided("texture.second", to_string(c.second_coordinates));
   }
-  if (has_own_depth(c.depth_line) && !takes_any_line(c.depth_code)) {
+  if (has_own_depth(c.depth_line) && !is_linear_in_h(c.depth_code)) {
     return Violation{"depth.line",
                      "is " + std::string(to_string(c.depth_line)) +
                          ", and the code takes h + B; legal: h, or depth.code = inverse, opengl"};
@@ -285,7 +285,7 @@ Result first_violation(const Config& c) {
         "is plane, and const_depth_rows has no row slopes; legal: divide, reciprocal, or another "
         "perspective.mode"};
   }
-  if (has_project(c.project) && !has_projected_code(c.depth_code)) {
+  if (has_project(c.project) && !is_linear_in_h(c.depth_code)) {
     return Violation{"project.unit",
                      "is " + std::string(to_string(c.project)) +
                          ", and forms depth codes of h alone; legal: none, or depth.code = inverse, opengl"};

@@ -348,6 +348,21 @@ constexpr bool is_linear_in_distance(DepthCode code) {
   unreachable();
 }
 
+// The code is linear in h, without B: another line may take the place of h, or the h of a point that is seen
+// from elsewhere.
+constexpr bool is_linear_in_h(DepthCode code) {
+  switch (code) {
+    case DepthCode::inverse:
+    case DepthCode::opengl:
+      return true;
+    case DepthCode::linear:
+    case DepthCode::w_float:
+    case DepthCode::float_dz:
+      return false;
+  }
+  unreachable();
+}
+
 // The code is the largest one minus h.
 constexpr bool is_complement_of_h(DepthCode code) {
   switch (code) {
@@ -370,20 +385,6 @@ constexpr bool has_subspans(const Config& config) {
 // Each pixel has a quotient of its own, by R_pixel or by division: what a divided channel asks for.
 constexpr bool divides_each_pixel(const Config& config) {
   return !has_linear_texture(config.perspective) && !has_subspans(config);
-}
-
-// The depth code is formed of h alone, so that another line may take its place.
-constexpr bool takes_any_line(DepthCode code) {
-  switch (code) {
-    case DepthCode::inverse:
-    case DepthCode::opengl:
-      return true;
-    case DepthCode::linear:
-    case DepthCode::w_float:
-    case DepthCode::float_dz:
-      return false;
-  }
-  unreachable();
 }
 
 // ---------------------------------------------------------------- RTL
@@ -773,20 +774,6 @@ constexpr bool has_project(ProjectUnit unit) {
     case ProjectUnit::reciprocal:
       return true;
     case ProjectUnit::none:
-      return false;
-  }
-  unreachable();
-}
-
-// The stage project forms the depth code of a fragment that is seen from elsewhere.
-constexpr bool has_projected_code(DepthCode code) {
-  switch (code) {
-    case DepthCode::inverse:
-    case DepthCode::opengl:
-      return true;
-    case DepthCode::linear:
-    case DepthCode::w_float:
-    case DepthCode::float_dz:
       return false;
   }
   unreachable();
