@@ -9,6 +9,7 @@
 #include <cmath>
 #include <utility>
 
+#include "config/modes.hpp"
 #include "engine/range.hpp"
 #include "io/message.hpp"
 #include "scene/camera_views.hpp"
@@ -71,6 +72,7 @@ void refuse_camera(const std::string& name, const SceneOptions& o) {
   refuse(o.near.has_value(), "--near");
   refuse(o.far.has_value(), "--far");
   refuse(!o.texture.empty(), "--texture");
+  refuse(!o.texture1.empty(), "--texture1");
   refuse(!o.fog.empty(), "--fog");
   refuse(o.no_cull, "--no-cull");
   refuse(o.strict, "--strict");
@@ -107,6 +109,11 @@ void refuse_size(const std::string& name, const Scene& scene, const SceneOptions
 }  // namespace
 
 SceneOptions seen_with(const Config& config, SceneOptions options) {
+  if (!options.texture1.empty() && !has_second_coordinates(config.second_coordinates)) {
+    throw InputError(
+        "--texture1: the configuration gives the second texture unit the first one's coordinates; "
+        "expected one with texture.second = \"own\"");
+  }
   options.depth_bits = config.depth_bits;
   options.depth_code = config.depth_code;
   return options;
@@ -210,12 +217,16 @@ LoadedScene load_mesh(const std::string& name, const SceneOptions& o, int number
     options.fog =
         Fog{{color_code(f[0], "--fog"), color_code(f[1], "--fog"), color_code(f[2], "--fog")}, f[3]};
   }
+  if (!o.texture1.empty()) options.texture1 = o.texture1;
+  if (options.texture1 && (!o.shadow.empty() || !o.slide.empty())) {
+    throw InputError("--texture1: has the unit that --shadow and --slide need; expected one of them");
+  }
   options.project.cull = !o.no_cull;
   options.shadow = shadow_of(o);
   options.slide = slide_of(o, {0, 1, 0});
   ProjectReport faces;
   std::vector<std::string> bad_textures;
-  Mesh mesh = read_mesh(name, options.texture, o.strict ? nullptr : &bad_textures);
+  Mesh mesh = read_mesh(name, options.texture, o.strict ? nullptr : &bad_textures, options.texture1);
   for (const std::string& what : bad_textures) {
     say("bitspan: warning: " + what + "; its faces are white (--strict refuses this)\n");
   }
@@ -244,6 +255,11 @@ void add_scene_options(CLI::App& command, SceneOptions& o) {
   command.add_option("--near", o.near, "mesh: s_min (default: just before the model)")->group(group);
   command.add_option("--far", o.far, "mesh: s_max (default: just behind the model)")->group(group);
   command.add_option("--texture", o.texture, "mesh: an image for every face")->group(group);
+  command
+      .add_option("--texture1", o.texture1,
+                  "mesh: an image for the second texture unit, at the second coordinates of a glTF. Needs "
+                  "texture.second = \"own\"")
+      ->group(group);
   command.add_option("--fog", o.fog, "mesh: r,g,b,distance of a fog")->group(group);
   command
       .add_option(
@@ -592,6 +608,7 @@ std::string flags_text(const SceneOptions& o) {
   number("--near", o.near);
   number("--far", o.far);
   text("--texture", o.texture);
+  text("--texture1", o.texture1);
   text("--fog", o.fog);
   text("--shadow", o.shadow);
   text("--shadow-plane", o.shadow_plane);

@@ -27,7 +27,7 @@ struct SceneOptions {
   std::string size;    // "WxH", empty: the stream's own, or 640x480
   std::string camera;  // "x,y,z", empty: an orbit by yaw and pitch
   std::optional<double> yaw, pitch, distance, fov, near, far;
-  std::string texture;
+  std::string texture, texture1;
   std::string fog;           // "r,g,b,distance"
   std::string shadow;        // "x,y,z" or "x,y,z,X,Y,Z,degrees"
   std::string shadow_plane;  // "x,y,z,nx,ny,nz"
@@ -47,7 +47,8 @@ struct SceneOptions {
   std::optional<int> target;  // of a stream, that is shown
 };
 
-// The options of a scene that is drawn with that configuration.
+// The options of a scene that is drawn with that configuration. Throws InputError where it lacks what an
+// option takes.
 SceneOptions seen_with(const Config& config, SceneOptions options);
 
 struct LoadedScene {

@@ -88,6 +88,25 @@ struct Coordinates {
   TextureTransform transform;
 };
 
+// Those of the base colour, and the second ones: of the occlusion's texture, or the set behind the first.
+struct MaterialCoordinates {
+  Coordinates base;
+  Coordinates second{.set = 1, .transform = {}};
+};
+// info: of a texture.
+Coordinates coordinates_of(const Value& info) {
+  Coordinates out;
+  out.set = info.whole("texCoord", 0);
+  const auto extensions = info.find("extensions");
+  if (const auto change = extensions ? extensions->find("KHR_texture_transform") : std::nullopt) {
+    const double rotation = change->number("rotation", 0);
+    out.transform = {change->numbers<2>("offset", {0, 0}), change->numbers<2>("scale", {1, 1}),
+                     std::cos(rotation), std::sin(rotation)};
+    out.set = change->whole("texCoord", out.set);
+  }
+  return out;
+}
+
 struct Node {
   std::size_t index = 0;
   Affine world;
@@ -95,15 +114,16 @@ struct Node {
 
 struct Primitive {
   Accessor position;
-  std::optional<Accessor> indices, coordinates, color;
-  Coordinates mapping;
+  std::optional<Accessor> indices, coordinates, second_coordinates, color;
+  MaterialCoordinates mapping;
   int material = -1;
   std::uint64_t count = 0;  // of vertices in a row
 };
 
 class GltfReader {
  public:
-  GltfReader(gltf::Bytes bytes, const std::string& path) : file_(std::move(bytes), path) {}
+  GltfReader(gltf::Bytes bytes, const std::string& path, bool wants_second)
+      : file_(std::move(bytes), path), wants_second_(wants_second) {}
 
   MeshFile read() {
     check_extensions();
@@ -127,9 +147,10 @@ class GltfReader {
   void note_what_is_missing();
 
   Document file_;
+  bool wants_second_;  // second coordinates
   MeshFile out_;
-  std::vector<Coordinates> coordinates_;  // per material
-  std::map<std::size_t, int> images_;     // from the file's to ours
+  std::vector<MaterialCoordinates> coordinates_;  // per material
+  std::map<std::size_t, int> images_;             // from the file's to ours
   std::uint64_t points_ = 0, lines_ = 0, without_position_ = 0, without_coordinates_ = 0, skins_ = 0,
                 morphs_ = 0;
 };
@@ -194,7 +215,7 @@ int GltfReader::read_image(const Value& info) {
 void GltfReader::read_materials() {
   for (const Value& json : file_.list("materials")) {
     MeshMaterial material;
-    Coordinates coordinates;
+    MaterialCoordinates coordinates;
     if (const auto name = json.find("name")) material.name = name->text();
     material.alpha = AlphaMode::opaque;
     if (const auto mode = json.find("alphaMode")) {
@@ -220,15 +241,9 @@ void GltfReader::read_materials() {
     if (surface) material.color = surface->numbers<4>(factor, {1, 1, 1, 1});
     if (const auto info = surface ? surface->find(texture) : std::nullopt) {
       material.image = read_image(*info);
-      coordinates.set = info->whole("texCoord", 0);
-      const auto extensions = info->find("extensions");
-      if (const auto change = extensions ? extensions->find("KHR_texture_transform") : std::nullopt) {
-        const double rotation = change->number("rotation", 0);
-        coordinates.transform = {change->numbers<2>("offset", {0, 0}), change->numbers<2>("scale", {1, 1}),
-                                 std::cos(rotation), std::sin(rotation)};
-        coordinates.set = change->whole("texCoord", coordinates.set);
-      }
+      coordinates.base = coordinates_of(*info);
     }
+    if (const auto info = json.find("occlusionTexture")) coordinates.second = coordinates_of(*info);
     out_.materials.push_back(std::move(material));
     coordinates_.push_back(coordinates);
   }
@@ -373,11 +388,15 @@ void GltfReader::read_primitive(const Value& json, const Affine& world) {
     primitive.material = static_cast<int>(*material);
     primitive.mapping = coordinates_[*material];
   }
-  const std::string set = "TEXCOORD_" + std::to_string(primitive.mapping.set);
-  if (attributes.find(set)) {
-    primitive.coordinates = attribute(attributes, set, 2, 2);
-  } else if (primitive.material >= 0 &&
-             out_.materials[static_cast<std::size_t>(primitive.material)].image >= 0) {
+  const auto read_set = [&](std::uint64_t set) -> std::optional<Accessor> {
+    const std::string name = "TEXCOORD_" + std::to_string(set);
+    if (!attributes.find(name)) return std::nullopt;
+    return attribute(attributes, name, 2, 2);
+  };
+  primitive.coordinates = read_set(primitive.mapping.base.set);
+  if (wants_second_) primitive.second_coordinates = read_set(primitive.mapping.second.set);
+  if (!primitive.coordinates && primitive.material >= 0 &&
+      out_.materials[static_cast<std::size_t>(primitive.material)].image >= 0) {
     without_coordinates_ += triangles;
   }
   if (attributes.find("COLOR_0")) {
@@ -386,7 +405,8 @@ void GltfReader::read_primitive(const Value& json, const Affine& world) {
       attributes.refuse("COLOR_0 has integers; expected normalized ones");
     }
   }
-  for (const std::optional<Accessor>* other : {&primitive.coordinates, &primitive.color}) {
+  for (const std::optional<Accessor>* other :
+       {&primitive.coordinates, &primitive.second_coordinates, &primitive.color}) {
     if (*other && (*other)->count != primitive.position.count) {
       throw InputError((*other)->name + ": has " + std::to_string((*other)->count) + " elements; expected " +
                        std::to_string(primitive.position.count) + " as POSITION");
@@ -408,12 +428,16 @@ MeshCorner GltfReader::corner(const Primitive& primitive, std::uint64_t position
   const auto p = primitive.position.element(vertex);
   MeshCorner corner;
   corner.position = world.point({p[0], p[1], p[2]});
-  if (primitive.coordinates) {
-    const auto t = primitive.coordinates->element(vertex);
-    const auto uv = primitive.mapping.transform(t[0], t[1]);
-    corner.u = uv[0];
-    corner.v = 1 - uv[1];
-  }
+  const auto place = [&](const std::optional<Accessor>& of, const Coordinates& mapping, double& u,
+                         double& v) {
+    if (!of) return;
+    const auto t = of->element(vertex);
+    const auto uv = mapping.transform(t[0], t[1]);
+    u = uv[0];
+    v = 1 - uv[1];
+  };
+  place(primitive.coordinates, primitive.mapping.base, corner.u, corner.v);
+  place(primitive.second_coordinates, primitive.mapping.second, corner.u2, corner.v2);
   if (primitive.color) {
     corner.color = primitive.color->element(vertex);
     if (primitive.color->components == 3) corner.color[3] = 1;
@@ -428,7 +452,8 @@ void GltfReader::append(const Primitive& primitive, std::uint64_t mode, const Af
     out_.triangles.push_back(
         {{corner(primitive, a, world), corner(primitive, b, world), corner(primitive, c, world)},
          primitive.material,
-         primitive.coordinates.has_value()});
+         primitive.coordinates.has_value(),
+         primitive.second_coordinates.has_value()});
   };
   const std::uint64_t count = primitive.count;
   if (mode == 4) {
@@ -465,10 +490,12 @@ void GltfReader::note_what_is_missing() {
 
 }  // namespace
 
-MeshFile read_gltf(const std::string& path) { return GltfReader(gltf::read_bytes(path), path).read(); }
+MeshFile read_gltf(const std::string& path, bool second_coordinates) {
+  return GltfReader(gltf::read_bytes(path), path, second_coordinates).read();
+}
 
-MeshFile parse_gltf(std::string_view bytes, const std::string& path) {
-  return GltfReader({bytes.begin(), bytes.end()}, path).read();
+MeshFile parse_gltf(std::string_view bytes, const std::string& path, bool second_coordinates) {
+  return GltfReader({bytes.begin(), bytes.end()}, path, second_coordinates).read();
 }
 
 }  // namespace bitspan

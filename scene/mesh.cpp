@@ -20,6 +20,7 @@
 #include "scene/gltf.hpp"
 #include "scene/mesh_file.hpp"
 #include "scene/obj.hpp"
+#include "scene/plan.hpp"
 #include "scene/ply.hpp"
 #include "scene/texture.hpp"
 
@@ -59,12 +60,12 @@ FileStart start_of(const std::string& path) {
 }
 
 // The contents say what a file is; an OBJ has none that do.
-MeshFile read_mesh_file(const std::string& path) {
+MeshFile read_mesh_file(const std::string& path, bool second_coordinates) {
   const FileStart start = start_of(path);
-  if (start.begins_with("glTF")) return read_gltf(path);
+  if (start.begins_with("glTF")) return read_gltf(path, second_coordinates);
   const std::size_t first = start.bytes.find_first_not_of(" \t\r\n");
   if (start.extension == ".gltf" || (first != std::string::npos && start.bytes[first] == '{')) {
-    return read_gltf(path);
+    return read_gltf(path, second_coordinates);
   }
   if (start.begins_with("ply")) return read_ply(path);
   if (start.extension == ".obj") return read_obj(path);
@@ -179,11 +180,42 @@ Corner corner_of(const MeshCorner& from, const std::array<double, 4>& color, con
   return {{corner.position}, clamped(corner)};
 }
 
+// Gives the faces of a mesh the image of the second texture unit, and their second coordinates.
+void give_texture1(const MeshFile& file, const std::string& path, const std::string& image, Mesh& mesh) {
+  std::size_t without = 0;
+  mesh.texture1 = static_cast<int>(mesh.textures.size());
+  const Texture& drawn = mesh.textures.emplace_back(read_texture(image));
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    if (!file.triangles[f].has_second_uv) {
+      ++without;
+      continue;
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      const MeshCorner& from = file.triangles[f].corner[i];
+      Corner& corner = mesh.faces[f].corner[i];
+      corner.u2 = from.u2 * drawn.width;
+      corner.v2 = (1 - from.v2) * drawn.height;
+      if (!std::isfinite(corner.u2) || !std::isfinite(corner.v2)) {
+        throw InputError(path + ": a corner of face " + std::to_string(f) +
+                         " is not finite; expected finite second texture coordinates");
+      }
+    }
+  }
+  if (without == mesh.faces.size()) {
+    throw InputError(path + ": the mesh has no second texture coordinates; expected them for " + image +
+                     ", as a glTF has them");
+  }
+  if (without > 0) {
+    mesh.notes.push_back(std::to_string(without) +
+                         " faces have no second texture coordinates; they take 0, 0");
+  }
+}
+
 }  // namespace
 
 Mesh read_mesh(const std::string& path, const std::optional<std::string>& texture,
-               std::vector<std::string>* bad_textures) {
-  MeshFile file = read_mesh_file(path);
+               std::vector<std::string>* bad_textures, const std::optional<std::string>& texture1) {
+  MeshFile file = read_mesh_file(path, texture1.has_value());
   Mesh mesh;
   mesh.name = std::filesystem::path(path).stem().string();
   mesh.notes = std::move(file.notes);
@@ -231,6 +263,7 @@ Mesh read_mesh(const std::string& path, const std::optional<std::string>& textur
         std::to_string(inexact) +
         " faces with alphaMode MASK have corners of different alpha; each corner is cut alone");
   }
+  if (texture1) give_texture1(file, path, *texture1, mesh);
   return mesh;
 }
 
@@ -316,6 +349,10 @@ Scene mesh_scene(Mesh mesh, const MeshOptions& options, ProjectReport& report) {
   scene.fog = options.fog;
   project(mesh.faces, view, options.project, scene.triangles, report);
   scene.textures = std::move(mesh.textures);
+  if (mesh.texture1 >= 0) {
+    scene.commands.push_back(
+        {.before = 0, .what = StateChange{.settings = {state_setting("texture1", mesh.texture1)}}});
+  }
   if (options.shadow) scene = shadowed(std::move(scene), mesh.faces, *options.shadow, view);
   if (options.slide) scene = with_slide(std::move(scene), *options.slide, view);
   return scene;

@@ -19,6 +19,7 @@ struct Mesh {
   std::string name;
   std::vector<Face> faces;
   std::vector<Texture> textures;
+  int texture1 = -1;               // into textures: of the second texture unit, in whose texels u2 and v2 are
   std::vector<std::string> notes;  // what of the file is not shown, one line each, without the file's name
 };
 
@@ -44,6 +45,8 @@ struct MeshOptions {
   Camera camera;
   std::optional<std::string>
       texture;  // an image for every face, in place of the materials' textures and colours
+  std::optional<std::string>
+      texture1;  // an image for the second texture unit, at the second coordinates of a glTF
   ProjectOptions project;
   std::array<std::uint8_t, 3> background{};
   std::optional<Fog> fog;
@@ -58,9 +61,11 @@ struct MeshOptions {
 // files are relative to the mesh; embedded images work too. u, v become texels of the face's texture, with v
 // turned to run downward. Throws InputError with one line where the file is unreadable or has no triangles, a
 // number is not finite, or a texture is bad. With `bad_textures`, a bad texture that the mesh names appends
-// its line there instead, and its faces have no texture.
+// its line there instead, and its faces have no texture. texture1: as in MeshOptions; a face without second
+// coordinates has its texel at (0, 0), and a mesh without any throws.
 Mesh read_mesh(const std::string& path, const std::optional<std::string>& texture = std::nullopt,
-               std::vector<std::string>* bad_textures = nullptr);
+               std::vector<std::string>* bad_textures = nullptr,
+               const std::optional<std::string>& texture1 = std::nullopt);
 
 // Returns the view of the camera. Throws InputError where the camera is impossible.
 Viewpoint make_view(const Mesh& mesh, const Camera& camera, int width, int height);

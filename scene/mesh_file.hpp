@@ -38,6 +38,7 @@ struct MeshCorner {
   Vec3 position;
   double u = 0, v = 0;  // in textures, the origin at the bottom left; any transform of the material is done
   std::array<double, 4> color{1, 1, 1, 1};
+  double u2 = 0, v2 = 0;  // the second coordinates, as u and v
 };
 
 // Counterclockwise seen from its front.
@@ -45,6 +46,7 @@ struct MeshTriangle {
   std::array<MeshCorner, 3> corner;
   int material = -1;    // into MeshFile::materials; -1: white
   bool has_uv = false;  // false: the material's image is not drawn on it
+  bool has_second_uv = false;
 };
 
 struct MeshFile {

@@ -16,10 +16,12 @@
 #include "io/png.hpp"
 #include "report/replay.hpp"
 #include "scene/random.hpp"
+#include "scene/texture.hpp"
 #include "scene/tri_stream.hpp"
 #include "tb/rtl_build.hpp"
 #include "tests/cli/program.hpp"
 #include "tests/rtl/rtl_copy.hpp"
+#include "tests/scene/gltf_builder.hpp"
 #include "tests/support/environment.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/test_config.hpp"
@@ -451,6 +453,40 @@ TEST_F(Cli, TheMirrorIsDrawnInTwoPasses) {
   const Result averaged = run("verify mirror --size 96x72 --supersample 2 --engines golden,model");
   EXPECT_EQ(averaged.code, 0) << averaged.out << averaged.err;
   refused("vectors mirror --stage span --format json -o v", "expected a scene that no command changes");
+}
+
+// An image at the second coordinates of a glTF, which are turned by 90 degrees against the first.
+TEST_F(Cli, AMeshHasASecondTexture) {
+  testing_gltf::Gltf gltf = testing_gltf::textured_quad("a.png");
+  gltf.attributes()["TEXCOORD_1"] = gltf.add("VEC2", std::vector<float>{0, 0, 0, 1, 1, 1, 1, 0});
+  folder.write("q.gltf", gltf.text());
+  write_png(folder.path("a.png"), 1, 2, 3, std::vector<std::uint8_t>{200, 100, 100, 100, 200, 200});
+  write_png(folder.path("light.png"), 1, 2, 3, std::vector<std::uint8_t>{255, 255, 255, 51, 51, 51});
+  std::string toml = run("config show --toml depth16").out;
+  folder.write("c.toml", toml.insert(toml.find("[texture]\n") + 10, "second = \"own\"\n"));
+  const std::string quad = "q.gltf --yaw 0 --pitch 0 --size 64x64 --config c.toml --texture1 light.png";
+  const Result r = run("render " + quad + " -o a.png --emit-tri s.tri --dump d");
+  ASSERT_EQ(r.code, 0) << r.err;
+  ASSERT_EQ(run("render s.tri -o b.png --config c.toml").code, 0);
+  EXPECT_EQ(folder.read("a.png"), folder.read("b.png"));
+  const Texture picture = read_texture(folder.path("a.png"));
+  const auto at = [&](int x, int y) {
+    const std::uint8_t* p = &picture.rgba[static_cast<std::size_t>(4 * (64 * y + x))];
+    return std::array<int, 3>{p[0], p[1], p[2]};
+  };
+  using Rgb = std::array<int, 3>;
+  EXPECT_EQ(at(24, 24), (Rgb{200, 100, 100}));
+  EXPECT_EQ(at(24, 40), (Rgb{100, 200, 200}));
+  EXPECT_EQ(at(40, 24), (Rgb{40, 20, 20}));
+  EXPECT_EQ(at(40, 40), (Rgb{20, 40, 40}));
+  EXPECT_EQ(run("verify " + quad + " --engines golden,model,systemc").code, 0);
+  refused("render q.gltf -o x.png --texture1 light.png",
+          "--texture1: the configuration gives the second texture unit the first one's coordinates");
+  refused("render " + quad + " -o x.png --shadow 3,4,5", "--texture1: has the unit that --shadow");
+  refused("render demo -o x.png --config c.toml --texture1 light.png", "--texture1 is for meshes");
+  refused("render " + source_path("tests/data/spot.obj") + " -o x.png --config c.toml --texture1 light.png",
+          "the mesh has no second texture coordinates");
+  refused("render " + quad + "x -o x.png", "light.pngx: cannot read");
 }
 
 // A plan of two passes, whichever scene the light falls on.
