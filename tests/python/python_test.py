@@ -250,6 +250,53 @@ class Records(unittest.TestCase):
         ratio = position[covered][:, 0] / position[covered][:, 2] / columns
         self.assertLess(np.ptp(ratio), 1e-12)
 
+    def test_a_slide_on_a_height_field_lies_where_the_matrix_route_lays_it(self):
+        # Every fourth elevation of Matplotlib's sample, a corner each. Vertices are snapped to 2^-10 pixel, and a texel is about a pixel.
+        from matplotlib import cbook, image
+        elevation = np.load(cbook.get_sample_data("jacksboro_fault_dem.npz", asfileobj=False))["elevation"].astype(float)[::4, ::4]
+        rows, columns = elevation.shape
+        z, x = np.mgrid[:rows, :columns]
+        corners = np.stack([x - columns / 2, (elevation - elevation.min()) / 40, z - rows / 2], axis=-1).reshape(-1, 3)
+        first = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).reshape(-1, 1) + 1
+        faces = np.concatenate([first + [0, columns, 1], first + [1, columns, columns + 1]])
+        eye, projector, aim = np.array([40.0, 70, 90]), np.array([0.0, 80, 30]), np.array([0.0, 3, 0])
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            (folder / "field.obj").write_text("".join("v %r %r %r\n" % tuple(p) for p in corners.tolist()) + "".join("f %d %d %d\n" % tuple(f) for f in faces))
+            image.imsave(folder / "slide.png", np.full((96, 128, 3), 0.8))
+            config = bitspan.Config("depth20").with_({"project.unit": "reciprocal", "raster.subpixel_bits": 10})
+            (folder / "fine.toml").write_text(config.text)
+            run(PROGRAM, "render", "field.obj", "--config", "fine.toml", "--size", "160x120", "--camera", "40,70,90", "--no-cull",
+                "--slide", "slide.png", "--slide-from=0,80,30,0,3,0,50", "--emit-tri", "field.tri", "-o", "field.png", cwd=folder)
+            scene = bitspan.Scene(folder / "field.tri")
+            records = bitspan.render(scene, config, trace=True).records("project")
+
+        def axes(position, target):
+            forward = (target - position) / np.linalg.norm(target - position)
+            right = np.cross(forward, [0, 1, 0])
+            right /= np.linalg.norm(right)
+            return np.stack([right, np.cross(forward, right), forward])
+
+        # In double: the ray of each pixel meets its triangle's plane, and the point goes by the projector's matrix.
+        view = axes(eye, (corners.min(axis=0) + corners.max(axis=0)) / 2)
+        focal = 60 / np.tan(np.radians(20))
+        v = scene.vertices[records["triangle"]]
+        place = np.stack([(v[..., 0] - 80) / focal * v[..., 2], (v[..., 1] - 60) / focal * v[..., 2], v[..., 2]], axis=-1)
+        normal = np.cross(place[:, 1] - place[:, 0], place[:, 2] - place[:, 0])
+        ray = np.stack([(records["x"] + 0.5 - 80) / focal, (records["y"] + 0.5 - 60) / focal, np.ones(len(records))], axis=-1)
+        point = ray * ((normal * place[:, 0]).sum(axis=1) / (normal * ray).sum(axis=1))[:, None]
+        seen = (point @ view + eye - projector) @ axes(projector, aim).T
+        throw = 48 / np.tan(np.radians(25))
+        s, t = 64 + throw * seen[:, 0] / seen[:, 2], 48 + throw * seen[:, 1] / seen[:, 2]
+        inside = records["inside"] == 1
+        ulp = 2.0 ** -config.field("span.u").fraction
+        off = np.maximum(np.abs(records["s"] * ulp - s), np.abs(records["t"] * ulp - t))[inside]
+        print(f"{inside.sum()} pixels in the slide, at most {off.max():.4f} texels off, {np.percentile(off, 99):.4f} at 99 %")
+        self.assertGreater(inside.sum(), 3000)
+        within = (s > 1) & (s < 127) & (t > 1) & (t < 95)
+        self.assertEqual((within & ~inside).sum(), 0)
+        self.assertLess(off.max(), 1 / 32)
+
     def test_frames_of_a_stream(self):
         sea = SOURCE / "tests/data/sea.tri"
         pictures = []
