@@ -31,10 +31,11 @@ void DrawnScene::run(const Copy& copy, const Frame& frame, int depth_bits) {
     texture.rgba = frame.color;
   } else {
     texture.format = TexelFormat::depth;
-    texture.raw.reserve(4 * frame.depth.size());
+    texture.raw.resize(4 * frame.depth.size());
+    auto out = texture.raw.begin();
     for (const std::uint32_t code : frame.depth) {
       const std::uint32_t word = code << (32 - depth_bits);  // the code's top bit on the word's
-      for (int at = 0; at < 32; at += 8) texture.raw.push_back(static_cast<std::uint8_t>(word >> at));
+      for (int at = 0; at < 32; at += 8) *out++ = static_cast<std::uint8_t>(word >> at);
     }
   }
   set_texture(static_cast<std::size_t>(copy.texture), std::move(texture));

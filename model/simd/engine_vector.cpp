@@ -225,7 +225,6 @@ class Drawing {
     Trace* const trace = worker.trace;
     while (!rest.which.empty()) {
       worker.spans.size = 0;
-      worker.triangles.channels.clear();
       std::size_t done = 0;
       if (worker.statistics != nullptr) {
         done = triangles_.to_spans_observed(pipeline_, rest, worker.triangles, worker.spans, worker.counters,
@@ -262,35 +261,40 @@ class Drawing {
 
   void find_draws(std::span<const Triangle> triangles) {
     draws_.resize(triangles.size());
+    const Register& shade = pipeline_.setup.shade;
+    const auto alpha = [&](double a) { return quantize(exact_of(a), shade, NoObserve{}); };
+    const std::int64_t full = alpha(1.0);
+    std::optional<int> last_texture;
+    bool last = false;
+    const auto is_opaque = [&](const Triangle& t, int texture) {
+      if (t.v[0].c[3] != 1.0 || t.v[1].c[3] != 1.0 || t.v[2].c[3] != 1.0) {
+        return !may_show_through(plan_, texture, alpha(t.v[0].c[3]), alpha(t.v[1].c[3]), alpha(t.v[2].c[3]));
+      }
+      if (last_texture != texture) {
+        last = !may_show_through(plan_, texture, full, full, full);
+        last_texture = texture;
+      }
+      return last;
+    };
     if (way_ == Way::any) {
+      const WriteMask mask = write_mask(pipeline_.state);
+      const bool writes_depth_alone = mask.depth && !mask.color && kills_by_alpha_alone(pipeline_) &&
+                                      pipeline_.channels.shades_at < 0;  // a quotient may differ
       for (std::size_t i = 0; i < triangles.size(); ++i) {
         const Surface surface = surface_of(pipeline_, triangles[i]);
-        draws_[i] = {surface.texture < 0 ? -1 : surface.texture, false, surface.back};
+        const int texture = surface.texture < 0 ? -1 : surface.texture;
+        draws_[i] = {.texture = texture,
+                     .back = surface.back,
+                     .is_unseen = writes_depth_alone && is_opaque(triangles[i], texture)};
         if (has_dz(pipeline_.depth.formats.code)) {
           draws_[i].log2_dz = log2_of_dz(pipeline_.depth.formats, gradients_.of[i]);
         }
       }
       return;
     }
-    const Register& shade = pipeline_.setup.shade;
-    const auto alpha = [&](double a) { return quantize(exact_of(a), shade, NoObserve{}); };
-    const std::int64_t full = alpha(1.0);
-    std::optional<int> last_texture;
-    bool last = false;
     for (std::size_t i = 0; i < triangles.size(); ++i) {
-      const Triangle& t = triangles[i];
-      const int texture = t.texture < 0 ? -1 : t.texture;
-      if (t.v[0].c[3] == 1.0 && t.v[1].c[3] == 1.0 && t.v[2].c[3] == 1.0) {
-        if (last_texture != texture) {
-          last = !may_show_through(plan_, texture, full, full, full);
-          last_texture = texture;
-        }
-        draws_[i] = {.texture = texture, .shared = last};
-      } else {
-        draws_[i] = {.texture = texture,
-                     .shared = !may_show_through(plan_, texture, alpha(t.v[0].c[3]), alpha(t.v[1].c[3]),
-                                                 alpha(t.v[2].c[3]))};
-      }
+      const int texture = triangles[i].texture < 0 ? -1 : triangles[i].texture;
+      draws_[i] = {.texture = texture, .shared = is_opaque(triangles[i], texture)};
     }
   }
 

@@ -135,6 +135,38 @@ HWY_INLINE Lanes pair_at(const std::uint32_t* words, Lanes index) {
 HWY_INLINE Lanes word_at(const std::uint32_t* words, Lanes index) {
   return pair_at(words, index) & Lanes(0xffffffffLL);
 }
+// The words at an index and behind it.
+template <class V>
+struct WordPair {
+  V first, second;
+};
+HWY_INLINE WordPair<Lanes> words_at(const std::uint32_t* words, Lanes index) {
+  const Lanes both = pair_at(words, index);
+  return {both & Lanes(0xffffffffLL), (both >> 32) & Lanes(0xffffffffLL)};
+}
+HWY_INLINE WordPair<Lanes32> words_at(const std::uint32_t* words, Lanes32 index) {
+#if HWY_TARGET == HWY_AVX2
+  // A load per pair: gathers take several times as long on some processors.
+  HWY_ALIGN std::int32_t at[Lanes32::count];
+  index.store(at);
+  const auto pairs_of = [&](std::size_t i, std::size_t k) HWY_ATTR {
+    const auto pair = [&](std::size_t l) HWY_ATTR { return reinterpret_cast<const double*>(words + at[l]); };
+    const auto both = [&](std::size_t l) HWY_ATTR {
+      return _mm_loadh_pd(_mm_loadl_pd(_mm_setzero_pd(), pair(l)), pair(l + 1));
+    };
+    const auto low = both(i);
+    const auto high = both(k);
+    return _mm256_castpd_ps(_mm256_insertf128_pd(_mm256_castpd128_pd256(low), high, 1));
+  };
+  const auto a = pairs_of(0, 4);
+  const auto b = pairs_of(2, 6);
+  const auto as_words = [](auto x)
+                            HWY_ATTR { return Lanes32::from(Lanes32::Vector{_mm256_castps_si256(x)}); };
+  return {as_words(_mm256_shuffle_ps(a, b, 0x88)), as_words(_mm256_shuffle_ps(a, b, 0xdd))};
+#else
+  return {word_at(words, index), word_at(words, index + Lanes32(1))};
+#endif
+}
 
 // A depth code of 32 bits for signed comparisons: in lanes that have no bit above it.
 template <class V>
@@ -162,6 +194,7 @@ struct PlanImage {
   const DepthFormats* depth = nullptr;
   DepthFunc func = DepthFunc::lequal;
   V z{0}, failed{0};
+  bool grey = false;  // red, green and blue of every texel are equal
 
   PlanImage(const ShadePlan& plan, const ShadeTexture* texture) : image(texture) {
     if constexpr (sizeof(T) == 4) {
@@ -193,6 +226,7 @@ struct PlanImage {
     }
   }
   HWY_INLINE bool may_be_reserved() const { return reserved; }
+  HWY_INLINE bool is_grey() const { return kind == ImageKind::any && grey; }
 
   HWY_INLINE V cyclic(V i, std::int32_t size) const {
     return (size & (size - 1)) == 0 ? i & V(size - 1) : modulo(i, size);
@@ -259,16 +293,9 @@ struct PlanImage {
     const V column = pair(i, width, wrap_u);
     const V row = pair(j, height, wrap_v);
     const V at = index(column, row);
-    const V below = at + V(stride);
-    if constexpr (sizeof(T) == 4) {
-      return {taken(word_at(words, at)), taken(word_at(words, at + V(1))), taken(word_at(words, below)),
-              taken(word_at(words, below + V(1)))};
-    } else {
-      const V upper = pair_at(words, at);
-      const V lower = pair_at(words, below);
-      const V low(0xffffffffLL);
-      return {taken(upper & low), taken((upper >> 32) & low), taken(lower & low), taken((lower >> 32) & low)};
-    }
+    const WordPair<V> upper = words_at(words, at);
+    const WordPair<V> lower = words_at(words, at + V(stride));
+    return {taken(upper.first), taken(upper.second), taken(lower.first), taken(lower.second)};
   }
   template <class Watch>
   HWY_INLINE V alpha(const TextureStage& stage, V word, Watch watch) const {
@@ -464,26 +491,31 @@ HWY_INLINE Textured<ValueOf<Int>> found(const TextureStage& stage, const BlockIm
   return out;
 }
 
-// What takes the place of texels from here on. z: as ProjectColumns has it.
-HWY_INLINE void compare(const TextureSecondStage& unit, std::int64_t z, TextureImage& image) {
+// What takes the place of texels, but for the code that set_code gives.
+HWY_INLINE void compare(const TextureSecondStage& unit, TextureImage& image) {
   image.test = comparison(unit, 0);
-  image.test.z = z;
 }
 template <class V, ImageKind kind>
-HWY_INLINE void compare(const TextureSecondStage& unit, V z, PlanImage<V, kind>& image) {
+HWY_INLINE void compare(const TextureSecondStage& unit, PlanImage<V, kind>& image) {
   image.depth = unit.compares ? &unit.depth : nullptr;
   image.func = unit.func;
-  image.z = z;
   image.failed = V(static_cast<ElementOf<V>>(comparison(unit, 0).failed));
+  image.grey = unit.compares && unit.constant[0] == unit.constant[1] && unit.constant[1] == unit.constant[2];
+}
+// z: as ProjectColumns has it.
+HWY_INLINE void set_code(std::int64_t z, TextureImage& image) { image.test.z = z; }
+template <class V, ImageKind kind>
+HWY_INLINE void set_code(V z, PlanImage<V, kind>& image) {
+  image.z = z;
 }
 // What the second unit finds where its coordinates are a projector's.
 template <class Int, class Image, class Watch>
-HWY_INLINE Textured<ValueOf<Int>> found_projected(const TextureSecondStage& unit, Image image,
+HWY_INLINE Textured<ValueOf<Int>> found_projected(const TextureSecondStage& unit, Image& image,
                                                   const ProjectColumns<ElementOf<Int>>& at, std::size_t k,
                                                   Watch watch) {
   using V = ValueOf<Int>;
   const TextureStage& stage = unit.fetch;
-  compare(unit, load_as<V>(at.z + k), image);
+  set_code(load_as<V>(at.z + k), image);
   Textured<V> out = sampled<Int>(stage, image, load_as<V>(at.s + k), load_as<V>(at.t + k),
                                  {stage.uv.fraction, stage.uv.fraction}, watch);
   const Truth<V> inside = load_as<V>(at.inside + k) != V(0);
@@ -529,13 +561,14 @@ HWY_NOINLINE void shade_block(const Pipeline& pipeline, const ShadePlan& plan, c
                                  HWY_ATTR { return image_for<Int, image_kind>(plan, formats, image); };
   const auto image = image_of_unit(units.images[0].image);
   const auto coarser = image_of_unit(units.images[0].coarser);
-  const auto second = image_of_unit(units.images[1].image);
+  auto second = image_of_unit(units.images[1].image);
   const auto second_coarser = image_of_unit(units.images[1].coarser);
   const std::array<std::uint8_t, 3> fog_color = pipeline.fog.fog_color;
   const bool has_second_at = pipeline.channels.second_at >= 0;
   const auto* const second_u = has_second_at ? block.u2 : block.u;
   const auto* const second_v = has_second_at ? block.v2 : block.v;
   const V opaque = V(static_cast<ElementOf<Int>>(opaque_alpha(formats.merge)));
+  if (units.projected != nullptr) compare(pipeline.texture_second, second);
   std::size_t killed = 0;
   for (std::size_t at = 0; at < block.size; at += lanes) {
     const auto active = first<V>(block.size - at);
@@ -544,11 +577,18 @@ HWY_NOINLINE void shade_block(const Pipeline& pipeline, const ShadePlan& plan, c
                                  load_as<V>(block.a + at)};
     const V u = load_as<V>(block.u + at);
     const V v = load_as<V>(block.v + at);
-    Textured<V> texel;
+    const auto first_found = [&]() HWY_ATTR {
+      if constexpr (any_state) {
+        return found<Int>(formats.texture, units.images[0], image, coarser, units.shares[0] + at, u, v,
+                          watch);
+      } else {
+        return textured<Int>(formats.texture, image, u, v, shade, watch);
+      }
+    };
+    Textured<V> texel = first_found();
     if constexpr (any_state) {
       const TextureStage& stage = formats.texture;
-      texel = found<Int>(stage, units.images[0], image, coarser, units.shares[0] + at, u, v, watch);
-      Truth<V> killed_first = texel.killed;
+      const Truth<V> killed_first = texel.killed;
       colour<Int>(stage, shade, texel, watch);
       if (!stage.is_last) {
         const TextureSecondStage& unit = pipeline.texture_second;
@@ -557,13 +597,12 @@ HWY_NOINLINE void shade_block(const Pipeline& pipeline, const ShadePlan& plan, c
                 ? found_projected<Int>(unit, second, *units.projected, at, watch)
                 : found<Int>(unit.fetch, units.images[1], second, second_coarser, units.shares[1] + at,
                              load_as<V>(second_u + at), load_as<V>(second_v + at), watch);
-        combine<Int>(unit, other.texel, ShareOfColor<Int>{plan, unit.fetch}, texel.color, watch);
+        combine<Int>(unit, other.texel, second.is_grey(), ShareOfColor<Int>{plan, unit.fetch}, texel.color,
+                     watch);
         texel.killed = killed_first;
         if (unit.fetch.kills_zero) texel.killed = texel.killed | (texel.color[3] == V(0));
       }
       texel.killed = texel.killed | !passes_alpha_test(stage.alpha, stage.alpha_test, texel.color[3]);
-    } else {
-      texel = textured<Int>(formats.texture, image, u, v, shade, watch);
     }
     const Truth<V> lives = active & !texel.killed;
     killed += count_of(active & texel.killed);
@@ -645,29 +684,38 @@ HWY_NOINLINE void shade_block(const Pipeline& pipeline, const ShadePlan& plan, c
   counters.written += block.size - killed;
 }
 
-// Words to the frame, those that are not negative; `high` is set in each. In the order of the block.
+constexpr auto alpha_byte = static_cast<std::int32_t>(0xff000000U);  // of a colour word
+
+// Words to a plane, where alive is not negative, in the order of the block; `high` is set in each, and the
+// bits of `kept` are those that the plane has.
 HWY_INLINE void store_pixels(const std::int32_t* words, const std::int32_t* pixel, std::size_t n,
-                             std::int32_t high, void* plane, const std::int32_t* alive) {
-  auto* to = static_cast<std::uint8_t*>(plane);
+                             std::int32_t high, std::int32_t kept, void* plane, const std::int32_t* alive) {
+  auto* bytes = static_cast<std::uint8_t*>(plane);
+  const auto place = [&](std::size_t i) { return bytes + 4 * static_cast<std::size_t>(pixel[i]); };
   constexpr std::size_t lanes = Lanes32::count;
   for (std::size_t i = 0; i < n; i += lanes) {
     const Lanes32 x = Lanes32::load(words + i) | Lanes32(high);
     if (i + lanes <= n && contiguous(pixel + i) && all(Lanes32::load(alive + i) >= Lanes32(0))) {
-      x.store(reinterpret_cast<std::int32_t*>(to + 4 * static_cast<std::size_t>(pixel[i])));
+      auto* const to = reinterpret_cast<std::int32_t*>(place(i));
+      (kept == 0 ? x : x | (Lanes32::load(to) & Lanes32(kept))).store(to);
       continue;
     }
 #if HWY_TARGET == HWY_AVX3
-    const auto wanted =
-        hn::And(first_lanes<std::int32_t>(n - i).m, (Lanes32::load(alive + i) >= Lanes32(0)).m);
-    // Lane by lane, the later ones last.
-    _mm512_mask_i32scatter_epi32(to, wanted.raw, Lanes32::load(pixel + i).v.raw, x.v.raw, 4);
-#else
-    for (std::size_t l = i; l < i + lanes && l < n; ++l) {
-      if (alive[l] < 0) continue;
-      const std::int32_t one = words[l] | high;
-      std::memcpy(to + 4 * static_cast<std::size_t>(pixel[l]), &one, 4);
+    if (kept == 0) {
+      const auto wanted =
+          hn::And(first_lanes<std::int32_t>(n - i).m, (Lanes32::load(alive + i) >= Lanes32(0)).m);
+      // Lane by lane, the later ones last.
+      _mm512_mask_i32scatter_epi32(bytes, wanted.raw, Lanes32::load(pixel + i).v.raw, x.v.raw, 4);
+      continue;
     }
 #endif
+    for (std::size_t l = i; l < i + lanes && l < n; ++l) {
+      if (alive[l] < 0) continue;
+      std::int32_t stored = 0;
+      std::memcpy(&stored, place(l), 4);
+      const std::int32_t one = words[l] | high | (stored & kept);
+      std::memcpy(place(l), &one, 4);
+    }
   }
 }
 
@@ -757,10 +805,9 @@ void shade_watched(const Pipeline& pipeline, const ShadePlan& plan, const BlockD
   ShadeColumns<T> columns;
   fog_factors<T, fixed>(pipeline, plan, block, trace != nullptr, columns);
   colours<T, fixed>(pipeline, plan, draw.texture, block, frame, columns, counters, trace, watch);
-  constexpr std::int32_t opaque_byte = static_cast<std::int32_t>(0xff000000U);
-  store_pixels(columns.word, block.pixel, block.size, opaque_byte, frame.color.data(), columns.word);
+  store_pixels(columns.word, block.pixel, block.size, alpha_byte, 0, frame.color.data(), columns.word);
   if (draw.store_depth) {
-    store_pixels(block.z, block.pixel, block.size, 0, frame.depth.data(), columns.word);
+    store_pixels(block.z, block.pixel, block.size, 0, 0, frame.depth.data(), columns.word);
   }
   if (!frame.u.empty()) {
     store_winners(columns, block, pipeline.texture.uv, frame);
@@ -789,10 +836,7 @@ void project_block(const Pipeline& pipeline, const FragmentBlock<T>& block, Proj
     for (T* column : {out.s, out.t, out.z, out.inside}) std::fill_n(column, block.size, T{0});
     return;
   }
-  const auto channel = [&](LineId line) {
-    const auto at = std::ranges::find(pipeline.channels.in_use, line, &ChannelForm::line);
-    return block.channel[at - pipeline.channels.in_use.begin()];
-  };
+  const auto channel = [&](LineId line) { return block.channel[pipeline.channels.place_of(line)]; };
   const std::int64_t* const x = channel(LineId::project_x);
   const std::int64_t* const y = channel(LineId::project_y);
   const std::int64_t* const w = channel(LineId::project_w);
@@ -860,7 +904,6 @@ struct AnyColumns {
   HWY_ALIGN T shares[2][FragmentBlock<T>::padded];
   HWY_ALIGN std::int32_t places[FragmentBlock<T>::padded];  // in the block
   ShadeColumns<T> of_part;
-  bool has_second_at = false;  // the second unit has coordinates of its own
 };
 
 template <class T>
@@ -889,8 +932,9 @@ void colours_any(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFor
 
 // The fragments among a block's that look up these levels. Returns whether there are some.
 template <class T>
-bool take_levels(const FragmentBlock<T>& from, const ProjectColumns<T>* projected,
-                 const std::array<std::int32_t, 2>& levels, AnyColumns<T>& any) {
+bool take_levels(const ChannelStage& channels, const FragmentBlock<T>& from,
+                 const ProjectColumns<T>* projected, const std::array<std::int32_t, 2>& levels,
+                 AnyColumns<T>& any) {
   FragmentBlock<T>& to = any.part;
   std::size_t n = 0;
   for (std::size_t i = 0; i < from.size; ++i) {
@@ -904,7 +948,7 @@ bool take_levels(const FragmentBlock<T>& from, const ProjectColumns<T>* projecte
   take(from.pixel, to.pixel);
   take(from.u, to.u);
   take(from.v, to.v);
-  if (any.has_second_at) {
+  if (channels.second_at >= 0) {
     take(from.u2, to.u2);
     take(from.v2, to.v2);
   }
@@ -932,7 +976,6 @@ void colours_of_levels(const Pipeline& pipeline, const ShadePlan& plan, const Sh
                        const ProjectColumns<T>* projected, const TriangleGradients& gradients,
                        const Frame& frame, ShadeColumns<T>& columns, Counters& counters) {
   AnyColumns<T> any;
-  any.has_second_at = pipeline.channels.second_at >= 0;
   const auto levels_of = [&](int texture) {
     return texture < 0
                ? 1
@@ -962,7 +1005,7 @@ void colours_of_levels(const Pipeline& pipeline, const ShadePlan& plan, const Sh
   }
   for (std::array<std::int32_t, 2> levels = least; levels[0] <= most[0]; ++levels[0]) {
     for (levels[1] = least[1]; levels[1] <= most[1]; ++levels[1]) {
-      if (!take_levels(block, projected, levels, any)) continue;
+      if (!take_levels(pipeline.channels, block, projected, levels, any)) continue;
       colours_any<T>(pipeline, plan, formats,
                      {images(levels),
                       {any.shares[0], any.shares[1]},
@@ -1003,11 +1046,8 @@ void shade_units(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFor
 template <class T>
 bool kills_none(const Pipeline& pipeline, const ShadePlan& plan, const BlockDraw& draw,
                 const FragmentBlock<T>& block) {
+  if (!kills_by_alpha_alone(pipeline)) return false;
   const TextureStage& stage = pipeline.texture;
-  if (!stage.is_last || stage.alpha_test.func != CompareFunc::always || pipeline.has_lod ||
-      stage.chroma.test != ChromaTest::none) {
-    return false;
-  }
   if (draw.texture >= 0) {
     const ShadeTexture& image = *image_of(plan.textures_of(0), draw.texture);
     if (!image.opaque || !image.never_killed) return false;
@@ -1043,7 +1083,10 @@ void shade_any(const Pipeline& pipeline, const ShadePlan& plan, const BlockDraw&
       --counters.written;
     }
   }
-  if (mask.color) {
+  const bool writes_every_channel = mask.channels == 15;
+  if (mask.color && writes_every_channel && !pipeline.merge.changes_alpha) {
+    store_pixels(columns.word, block.pixel, block.size, 0, alpha_byte, frame.color.data(), columns.word);
+  } else if (mask.color) {
     for (std::size_t i = 0; i < block.size; ++i) {
       if (columns.word[i] < 0) continue;
       const std::int32_t pixel = block.pixel[i];
@@ -1054,7 +1097,7 @@ void shade_any(const Pipeline& pipeline, const ShadePlan& plan, const BlockDraw&
         codes[3] = static_cast<std::uint8_t>(columns.alpha[i]);
         codes = held(pipeline.merge, codes, pixel % frame.width, pixel / frame.width);
       }
-      if (mask.channels == 15) {
+      if (writes_every_channel) {
         std::memcpy(color, codes.data(), codes.size());
         continue;
       }
@@ -1062,10 +1105,10 @@ void shade_any(const Pipeline& pipeline, const ShadePlan& plan, const BlockDraw&
         if (mask.stores(c)) color[c] = codes[static_cast<std::size_t>(c)];
       }
     }
-    if (!frame.u.empty()) store_winners(columns, block, pipeline.texture.uv, frame);
   }
+  if (mask.color && !frame.u.empty()) store_winners(columns, block, pipeline.texture.uv, frame);
   if (mask.depth) {
-    store_pixels(block.z, block.pixel, block.size, 0, frame.depth.data(), columns.word);
+    store_pixels(block.z, block.pixel, block.size, 0, 0, frame.depth.data(), columns.word);
   }
 }
 

@@ -150,6 +150,29 @@ ImageAxis image_axis(std::int32_t size, TextureWrap wrap, bool pairs) {
   return {before, copies * size + before + after};
 }
 
+// The words of an image, from top to bottom: word_at(i, j) is that of a texel, `border` of what is outside.
+template <class WordAt>
+void fill_words(const ImageAxis& across, const ImageAxis& down, std::uint32_t border, const WordAt& word_at,
+                ShadeTexture& t) {
+  const auto inside = [](std::int32_t i, std::int32_t size, TextureWrap wrap) {
+    return static_cast<std::int32_t>(HWY_STATIC_DISPATCH(wrapped)(i, size, wrap));
+  };
+  std::vector<std::int32_t> columns(static_cast<std::size_t>(across.all));
+  for (std::int32_t x = 0; x < across.all; ++x) {
+    columns[static_cast<std::size_t>(x)] = inside(x - across.before, t.width, t.by.wrap_u);
+  }
+  auto out = t.words.begin();
+  for (std::int32_t y = 0; y < down.all; ++y) {
+    const std::int32_t j = inside(y - down.before, t.height, t.by.wrap_v);
+    const bool is_row = j >= 0 && j < t.height;
+    for (const std::int32_t i : columns) *out++ = is_row && i >= 0 && i < t.width ? word_at(i, j) : border;
+  }
+}
+
+std::uint32_t colour_word(const TexelCodes& p) {
+  return p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 | std::uint32_t{p[3]} << 24;
+}
+
 // stage: for its border and its reserved colour. compared: depth words of a texture that has some.
 ShadeTexture prepare_image(const TextureStage& stage, const TexelLookup& by, const Texture& source,
                            bool compared) {
@@ -165,28 +188,25 @@ ShadeTexture prepare_image(const TextureStage& stage, const TexelLookup& by, con
   t.border_v = down.before;
   t.stride = across.all;
   t.words.assign(static_cast<std::size_t>(t.stride) * static_cast<std::size_t>(down.all) + 2, 0);
-  const auto inside = [](std::int32_t i, std::int32_t size, TextureWrap wrap) {
-    return static_cast<std::int32_t>(HWY_STATIC_DISPATCH(wrapped)(i, size, wrap));
-  };
   t.opaque = t.never_killed = true;
-  const bool holds_depth = compared && source.format == TexelFormat::depth;
-  for (std::int32_t y = 0; y < down.all; ++y) {
-    const std::int32_t j = inside(y - t.border_v, t.height, by.wrap_v);
-    std::uint32_t* out = t.words.data() + std::size_t(y) * std::size_t(t.stride);
-    for (std::int32_t x = 0; x < t.stride; ++x) {
-      const std::int32_t i = inside(x - t.border_u, t.width, by.wrap_u);
-      if (holds_depth) {
-        out[x] = static_cast<std::uint32_t>(depth_word(source, i, j));
-        continue;
-      }
-      const bool outside = i < 0 || j < 0 || i >= t.width || j >= t.height;
-      const TexelCodes p = outside ? stage.border : texel_of(source, i, j);
-      out[x] = p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 | std::uint32_t{p[3]} << 24;
-      t.has_reserved =
-          t.has_reserved ||
-          (stage.transparent && std::equal(stage.transparent->begin(), stage.transparent->end(), p.begin()));
-      t.opaque = t.opaque && p[3] == 255;
-    }
+  if (compared && source.format == TexelFormat::depth) {
+    // Lookups that have a border are not compared in lanes.
+    fill_words(
+        across, down, 0,
+        [&](std::int32_t i, std::int32_t j) { return static_cast<std::uint32_t>(depth_word(source, i, j)); },
+        t);
+    return t;
+  }
+  fill_words(
+      across, down, colour_word(stage.border),
+      [&](std::int32_t i, std::int32_t j) { return colour_word(texel_of(source, i, j)); }, t);
+  const std::span<const std::uint32_t> words(t.words.begin(), t.words.end() - 2);
+  t.opaque = std::ranges::all_of(words, [](std::uint32_t word) { return word >> 24 == 255; });
+  if (stage.transparent) {
+    const auto& c = *stage.transparent;
+    const std::uint32_t reserved = colour_word({c[0], c[1], c[2], 0});
+    t.has_reserved =
+        std::ranges::any_of(words, [&](std::uint32_t word) { return (word & 0xffffffU) == reserved; });
   }
   return t;
 }
@@ -410,6 +430,12 @@ bool may_show_through(const ShadePlan& plan, int texture, std::int64_t a0, std::
     if (!image.opaque || !image.never_killed) return true;
   }
   return alpha_of(plan, constant_shade(plan, a0)) < HWY_STATIC_DISPATCH(opaque_alpha)(plan.formats.merge);
+}
+
+bool kills_by_alpha_alone(const Pipeline& pipeline) {
+  const TextureStage& stage = pipeline.texture;
+  return stage.is_last && stage.alpha_test.func == CompareFunc::always && !pipeline.has_lod &&
+         stage.chroma.test == ChromaTest::none;
 }
 
 template <>

@@ -121,6 +121,9 @@ std::int64_t alpha_of(const ShadePlan& plan, std::int64_t shade);
 // alphas, raw, setup.shade; texture: -1 for none.
 bool may_show_through(const ShadePlan& plan, int texture, std::int64_t a0, std::int64_t a1, std::int64_t a2);
 
+// Whether nothing but a texel's alpha, or the fragment's own, can kill a fragment in this draw state.
+bool kills_by_alpha_alone(const Pipeline& pipeline);
+
 // The gradients of triangles, by their input indices from `first_index` on.
 struct TriangleGradients {
   std::int64_t first_index = 0;

@@ -26,9 +26,13 @@ struct SpanDraw {
   // None of its fragments can be killed and all are opaque: they may share a block with other triangles', and
   // their depth is stored when it is tested.
   bool shared = false;
-  bool back = false;  // a back face; told only where the stencil test asks
-  int log2_dz = 0;    // for depth.code = float_dz
+  bool back = false;       // a back face; told only where the stencil test asks
+  bool is_unseen = false;  // none of its fragments can be killed, and the draw state writes depth alone
+  int log2_dz = 0;         // for depth.code = float_dz
 };
+
+// Spans' channels in use, by their place: only the columns w and w_step0 are written.
+using ChannelColumns = PerChannel<Columns<SpanChannelRecord>>;
 
 // Where blocks go: texture, fog and merge.
 template <class T>
@@ -66,11 +70,12 @@ struct SpanKernels {
   // index, first_index the one of draws[0]. Counts fragments, covered, depth_passed, divides_pixel.
   void (*draw)(const Pipeline&, const Columns<SpanRecord>& spans, std::span<const SpanDraw> draws,
                std::int64_t first_index, SpanWork<T>&, Frame&, Counters&, BlockSink<T>&) = nullptr;
-  // The same in any draw state, of formats read at run time, and with channels: those in use, span by span.
-  // No draw is shared. Counts masked and stencil_failed, too; where the tests are late, they are the sink's.
-  void (*draw_any)(const Pipeline&, const Columns<SpanRecord>& spans,
-                   std::span<const SpanChannelRecord> channels, std::span<const SpanDraw> draws,
-                   std::int64_t first_index, SpanWork<T>&, Frame&, Counters&, BlockSink<T>&) = nullptr;
+  // The same in any draw state, of formats read at run time, and with channels. No draw is shared; one that
+  // is unseen gives no block. Counts masked, stencil_failed and what of unseen draws is written, too; where
+  // the tests are late, they are the sink's.
+  void (*draw_any)(const Pipeline&, const Columns<SpanRecord>& spans, const ChannelColumns& channels,
+                   std::span<const SpanDraw> draws, std::int64_t first_index, SpanWork<T>&, Frame&, Counters&,
+                   BlockSink<T>&) = nullptr;
   // The first one for every fragment, passed or not, with its records, or with observers at every register.
   void (*draw_traced)(const Pipeline&, const Columns<SpanRecord>& spans, std::span<const SpanDraw> draws,
                       std::int64_t first_index, SpanWork<T>&, Frame&, Counters&, BlockSink<T>&, Trace*,

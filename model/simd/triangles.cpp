@@ -44,13 +44,13 @@ bool all_branch_free(const Pipeline& pipeline) {
       &b.uv.r,
       &b.linear_uv.r,
       &c.length.unit.output(),
-      &c.h_step.r,
+      &c.h_line.step.r,
       &c.f_step.r,
-      &c.shade_step.r,
+      &c.shade_line.step.r,
       &c.f_diff.r,
-      &c.h_start.r,
+      &c.h_line.start.r,
       &c.f_start.r,
-      &c.shade_start.r,
+      &c.shade_line.start.r,
   };
   // What BranchFree shifts a unit's result by.
   const auto shifts = [](const ReciprocalUnit& unit) {
@@ -68,9 +68,10 @@ HWY_NOINLINE std::size_t in_lanes(const Pipeline& pipeline, const TriangleRows& 
                                   const Observer& observer) {
   const SetupStage setup = pipeline.setup;  // copies: no store can change them
   const EdgeWalkStage walk = pipeline.edge_walk;
-  const Stages stages{setup, walk, pipeline.span_setup};
-  const Adders adders = adders_of(walk);
-  const RowColumns columns = row_columns(walk, batch, trace != nullptr);
+  const Stages stages{setup, walk, pipeline.span_setup, pipeline.channels};
+  const Adders adders = adders_of(walk, pipeline.channels);
+  batch.prepare(pipeline.channels.in_use.size());
+  const RowColumns columns = row_columns(walk, batch, pipeline.channels.in_use.size(), trace != nullptr);
   constexpr auto capacity = static_cast<std::int64_t>(TriangleBatch::row_capacity);
   TriangleGroup group;
   std::int64_t size = 0;  // rows waiting
@@ -107,20 +108,21 @@ HWY_NOINLINE std::size_t in_lanes(const Pipeline& pipeline, const TriangleRows& 
   return first;
 }
 
-void append(Columns<SpanRecord>& spans, const SpanRecord& span) {
-  if (spans.size == spans.capacity()) spans.reserve(2 * spans.size + 1);
-  const auto raw = raw_values(span);
+template <class R>
+void append(Columns<R>& records, const R& record) {
+  if (records.size == records.capacity()) records.reserve(2 * records.size + 1);
+  const auto raw = raw_values(record);
   for (std::size_t f = 0; f < raw.size(); ++f) {
-    spans[std::bit_cast<Member<SpanRecord>>(f * sizeof(std::int64_t))][spans.size] = raw[f];
+    records[std::bit_cast<Member<R>>(f * sizeof(std::int64_t))][records.size] = raw[f];
   }
-  ++spans.size;
+  ++records.size;
 }
 
 // The scalar stages, where lanes have no room.
 template <class Watch>
 std::size_t one_by_one(const Pipeline& pipeline, const TriangleRows& from, TriangleBatch& batch,
                        Columns<SpanRecord>& spans, Counters& counters, Trace* trace, Watch watch) {
-  const auto in_use = static_cast<std::ptrdiff_t>(pipeline.channels.in_use.size());
+  const std::size_t in_use = pipeline.channels.in_use.size();
   Rows rows;
   PlaneWalkState walk;
   Counters elsewhere;
@@ -140,7 +142,10 @@ std::size_t one_by_one(const Pipeline& pipeline, const TriangleRows& from, Trian
       if (trace != nullptr) trace->span.push_back(span);
       if (in_use == 0) continue;
       const SpanChannels channels = row_to_channels(pipeline, rows, i, span, counters, nullptr, watch);
-      batch.channels.insert(batch.channels.end(), channels.record.begin(), channels.record.begin() + in_use);
+      for (std::size_t c = 0; c < in_use; ++c) {
+        batch.channels[c].size = spans.size - 1;
+        append(batch.channels[c], channels.record[c]);
+      }
     }
   }
   return at;
@@ -148,7 +153,7 @@ std::size_t one_by_one(const Pipeline& pipeline, const TriangleRows& from, Trian
 
 std::size_t to_spans(const Pipeline& pipeline, const TriangleRows& from, TriangleBatch& batch,
                      Columns<SpanRecord>& spans, Counters& counters, Trace* trace) {
-  if (!triangles_in_lanes(pipeline)) {
+  if (!triangles_in_lanes(pipeline) || (trace != nullptr && pipeline.channels.any())) {
     return one_by_one(pipeline, from, batch, spans, counters, trace, NoObserve{});
   }
   return all_branch_free(pipeline)
@@ -159,7 +164,7 @@ std::size_t to_spans(const Pipeline& pipeline, const TriangleRows& from, Triangl
 std::size_t to_spans_observed(const Pipeline& pipeline, const TriangleRows& from, TriangleBatch& batch,
                               Columns<SpanRecord>& spans, Counters& counters, Trace* trace,
                               Statistics& statistics) {
-  if (!triangles_in_lanes(pipeline)) {
+  if (!triangles_in_lanes(pipeline) || pipeline.channels.any()) {
     return one_by_one(pipeline, from, batch, spans, counters, trace, Observe{&statistics});
   }
   LaneStatistics lane_statistics;

@@ -11,6 +11,7 @@
 #include "model/engine_model.hpp"
 #include "model/pipeline.hpp"
 #include "model/simd/columns.hpp"
+#include "model/simd/spans.hpp"
 
 namespace bitspan::model {
 
@@ -26,8 +27,14 @@ struct TriangleBatch {
   static constexpr std::size_t row_capacity = 512;
   Columns<RowRecord> rows{row_capacity};
   Columns<RowSource> sources{row_capacity};
-  // Of the spans, in their order: those of the channels in use.
-  std::vector<SpanChannelRecord> channels;
+  // Of the channels in use: the accumulators of the rows, and of the spans, in their order, w and its step.
+  PerChannel<Columns<RowChannelRecord>> row_channels;
+  ChannelColumns channels;
+
+  // Room for so many channels of a whole batch of rows.
+  void prepare(std::size_t in_use) {
+    for (std::size_t c = 0; c < in_use; ++c) row_channels[c].reserve(row_capacity);
+  }
 };
 
 // Some of a list of triangles, in order, and which of their rows.
@@ -47,8 +54,8 @@ struct TriangleKernels {
   // until about row_capacity rows are done, and returns how many triangles that took; all modes but
   // const_depth_rows. Counts triangles, degenerate, rows, divides_edge, divides_row. Without a trace the
   // span's recip_m, recip_e, phase, fu_diff, fv_diff and step1 columns are not written; with one, appends the
-  // records of setup, setup.edge, edge_walk and span_setup (of triangles with all their rows). Channels are
-  // appended to the batch, without a trace.
+  // records of setup, setup.edge, edge_walk and span_setup (of triangles with all their rows). The starts of
+  // the channels in use are written to the batch, without a trace.
   std::size_t (*to_spans)(const Pipeline&, const TriangleRows&, TriangleBatch&, Columns<SpanRecord>& spans,
                           Counters&, Trace*);
   // The same with statistics of every register.
@@ -67,9 +74,9 @@ inline const char* stage_too_wide_for_lanes(const Pipeline& pipeline) {
   if (!pipeline.edge_walk.fits_lanes) return "edge_walk";
   return pipeline.span_setup.fits_lanes ? nullptr : "span_setup";
 }
-// Channels, too, are done by the scalar stages up to the start of a span.
+// Channels are in lanes up to the start of a span, where nothing is traced or observed.
 inline bool triangles_in_lanes(const Pipeline& pipeline) {
-  return stage_too_wide_for_lanes(pipeline) == nullptr && !pipeline.channels.any();
+  return stage_too_wide_for_lanes(pipeline) == nullptr && pipeline.channels.rows_fit_lanes();
 }
 
 }  // namespace bitspan::model

@@ -12,7 +12,7 @@
 namespace bitspan::model {
 namespace {
 
-ChannelForm form_of_channel(const Config& config, int number) {
+ChannelForm form_of_channel(const Config& config, int number, const LengthForm& row_length) {
   const bitspan::Line line = line_of(channel_line(number), config.perspective);
   const auto reg = [&](FormatId id) { return make_register(config, id); };
   ChannelForm f;
@@ -31,7 +31,10 @@ ChannelForm form_of_channel(const Config& config, int number) {
   f.value = reg(line.row.kept);
   f.edge_offset = offset_value(config, line.edge);
   f.row_offset = offset_value(config, line.row);
+  f.along_edge = make_adder(f.edge_acc, f.edge_step);
   f.along_row = make_adder(f.acc, f.step);
+  f.at_edge = make_narrowing(f.edge, magnitude_of(f.edge_acc));
+  f.row = make_row_line(config, line, row_length);
   f.fits_int64 = f.along_row.fits_int64 &&
                  fits_int64(aligned(signed_grid(config.format(line.row.acc)), f.value.fraction + 1));
   return f;
@@ -120,21 +123,9 @@ std::int64_t slope_over(SlopeForm form, const ReciprocalUnit& unit, Exact n, Exa
 template <class Watch>
 std::int64_t acc_on(const ChannelStage& stage, const ChannelForm& form, TriangleChannels& triangle,
                     std::size_t channel, std::int64_t edge, std::int64_t y, Watch watch) {
-  const SetupChannelRecord& record = triangle.record[channel];
   ChannelEdge& e = triangle.edges[channel][static_cast<std::size_t>(edge)];
-  const bool second = edge == 2;  // from vertex 1 on
-  const std::int64_t raw_step = edge == 0 ? record.step0 : second ? record.step2 : record.step1;
-  const Exact step = value_of(raw_step, form.edge_step);
-  if (!e.started) {
-    const Exact half{1, 1};
-    const Exact top{second ? triangle.setup.y1 : triangle.setup.y0, stage.subpixel_bits};
-    e.y = std::max<std::int64_t>(0, static_cast<std::int64_t>(ceil_of(top - half)));
-    const std::int64_t first =
-        form.homogeneous ? (second ? record.f1 : record.f0) : (second ? record.w1 : record.w0);
-    const Exact t = Exact{e.y, 0} + half - top;
-    e.acc = quantize(value_of(first, form.walked) + step * t + form.edge_offset, form.edge_acc, watch);
-    e.started = true;
-  }
+  if (!e.started) e = start_edge(stage, triangle, channel, edge, watch);
+  const Exact step = value_of(edge_step(triangle.record[channel], edge), form.edge_step);
   for (; e.y < y; ++e.y) e.acc = quantize(value_of(e.acc, form.edge_acc) + step, form.edge_acc, watch);
   return e.acc;
 }
@@ -157,8 +148,10 @@ std::int64_t value_at(const ChannelStage& stage, const ChannelForm& form, const 
 
 ChannelStage prepare_channels(const Config& config, const Constants& constants, const Scene& scene) {
   ChannelStage s;
+  const LengthForm row_length = make_row_length(config);
   for (const int channel : ChannelList(config)) {
-    if (asks_for(scene, channel_line(channel))) s.in_use.push_back(form_of_channel(config, channel));
+    if (!asks_for(scene, channel_line(channel))) continue;
+    s.in_use.push_back(form_of_channel(config, channel, row_length));
   }
   s.const_depth_rows = has_plane_rows(config.perspective);
   s.by_plane = has_setup_plane(config);
@@ -175,19 +168,22 @@ ChannelStage prepare_channels(const Config& config, const Constants& constants, 
   s.pixel_unit = ReciprocalUnit(config.pixel_reciprocal, RegisterId::pixel_reciprocal);
   s.q = make_inverse_depth(config, constants);
   s.by_reciprocal = has_pixel_reciprocal(config.perspective);
-  const auto place = [&](LineId line) {
-    const auto at = std::ranges::find(s.in_use, line, &ChannelForm::line);
-    return at == s.in_use.end() ? -1 : static_cast<int>(at - s.in_use.begin());
-  };
-  s.depth_at = place(LineId::z);
-  s.shades_at = place(LineId::shade_r);
-  s.second_at = place(LineId::u2);
+  s.depth_at = s.place_of(LineId::z);
+  s.shades_at = s.place_of(LineId::shade_r);
+  s.second_at = s.place_of(LineId::u2);
   for (ChannelForm& form : s.in_use) form.product_growth = growth_of_product(config, s.q, form);
   if (scene.fog) s.fog_distance = scene.fog->distance;
   if (scene.projector && has_project(config.project)) {
     s.projector_exponent = projector_constants(config, scene).exponent;
   }
   return s;
+}
+
+std::uint64_t divides_of_edge(const ChannelStage& stage) {
+  return shares_reciprocal(stage.edge_form) ? 0 : stage.in_use.size();
+}
+std::uint64_t divides_of_row(const ChannelStage& stage) {
+  return shares_reciprocal(stage.row_form) ? 0 : stage.in_use.size();
 }
 
 template <class Watch>
@@ -248,6 +244,23 @@ TriangleChannels setup_channels(const ChannelStage& stage, const Triangle& trian
     }
   }
   return out;
+}
+
+template <class Watch>
+ChannelEdge start_edge(const ChannelStage& stage, const TriangleChannels& triangle, std::size_t channel,
+                       std::int64_t edge, Watch watch) {
+  const ChannelForm& form = stage.in_use[channel];
+  const SetupChannelRecord& record = triangle.record[channel];
+  const bool second = edge == 2;  // from vertex 1 on
+  const Exact step = value_of(edge_step(record, edge), form.edge_step);
+  const Exact half{1, 1};
+  const Exact top{second ? triangle.setup.y1 : triangle.setup.y0, stage.subpixel_bits};
+  const std::int64_t y = std::max<std::int64_t>(0, static_cast<std::int64_t>(ceil_of(top - half)));
+  const std::int64_t first =
+      form.homogeneous ? (second ? record.f1 : record.f0) : (second ? record.w1 : record.w0);
+  const Exact t = Exact{y, 0} + half - top;
+  return {true, y,
+          quantize(value_of(first, form.walked) + step * t + form.edge_offset, form.edge_acc, watch)};
 }
 
 template <class Watch>
@@ -337,6 +350,8 @@ template TriangleChannels setup_channels(const ChannelStage&, const Triangle&, c
                                          const Edges*, const TrianglePlane*, NoObserve);
 template TriangleChannels setup_channels(const ChannelStage&, const Triangle&, const SetupRecord&,
                                          const Edges*, const TrianglePlane*, Observe);
+template ChannelEdge start_edge(const ChannelStage&, const TriangleChannels&, std::size_t, std::int64_t,
+                                NoObserve);
 template RowChannels row_channels(const ChannelStage&, TriangleChannels&, const RowRecord&, NoObserve);
 template RowChannels row_channels(const ChannelStage&, TriangleChannels&, const RowRecord&, Observe);
 template SpanChannels span_channels(const ChannelStage&, const TriangleChannels&, const SpanRecord&,

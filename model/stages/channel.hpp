@@ -20,6 +20,7 @@
 #include "model/stages/setup.hpp"
 #include "model/stages/setup_plane.hpp"
 #include "model/stages/span.hpp"
+#include "model/stages/span_setup.hpp"
 #include "scene/scene.hpp"
 
 namespace bitspan::model {
@@ -32,11 +33,16 @@ struct ChannelForm {
   bool span_divides = false;  // value is of the quotient by h + B
   Register vertex, walked, edge_step, edge_acc, edge, gradient, step, acc, value;
   Exact edge_offset, row_offset;
+  Adder along_edge;         // edge_acc and edge_step
   Adder along_row;          // acc and step
   bool fits_int64 = false;  // what a fragment takes does, also on the grid of value
   // Where the span divides by R_pixel: bits that the product with m takes beyond acc, on every grid on the
   // way to value.
   int product_growth = 0;
+  // For lanes of rows whose ends carry values.
+  Narrowing at_edge;  // edge of edge_acc
+  RowLine row;
+  bool row_fits_lanes() const { return at_edge.fits_lanes && row.fits_lanes(); }
 };
 
 struct ChannelStage {
@@ -58,8 +64,17 @@ struct ChannelStage {
 
   bool any() const { return !in_use.empty(); }
   bool fits_int64() const { return std::ranges::all_of(in_use, &ChannelForm::fits_int64); }
+  bool rows_fit_lanes() const { return std::ranges::all_of(in_use, &ChannelForm::row_fits_lanes); }
   int size() const { return static_cast<int>(in_use.size()); }
+  // In in_use; -1: none.
+  int place_of(LineId line) const {
+    const auto at = std::ranges::find(in_use, line, &ChannelForm::line);
+    return at == in_use.end() ? -1 : static_cast<int>(at - in_use.begin());
+  }
 };
+// Divides of an edge that has height, and of a row that has a length, beside those of the other lines.
+std::uint64_t divides_of_edge(const ChannelStage& stage);
+std::uint64_t divides_of_row(const ChannelStage& stage);
 ChannelStage prepare_channels(const Config& config, const Constants& constants, const Scene& scene);
 
 // By the place of a channel in in_use.
@@ -90,6 +105,15 @@ using FragmentChannels = PerChannel<FragmentChannelRecord>;
 template <class Watch = NoObserve>
 TriangleChannels setup_channels(const ChannelStage& stage, const Triangle& triangle, const SetupRecord& setup,
                                 const Edges* edges, const TrianglePlane* plane, Watch watch = {});
+
+// The accumulator of an edge (0, 1 or 2) on the first row that it may have pixels in.
+template <class Watch = NoObserve>
+ChannelEdge start_edge(const ChannelStage& stage, const TriangleChannels& triangle, std::size_t channel,
+                       std::int64_t edge, Watch watch = {});
+// What an edge adds to it per row.
+inline std::int64_t edge_step(const SetupChannelRecord& record, std::int64_t edge) {
+  return edge == 0 ? record.step0 : edge == 1 ? record.step1 : record.step2;
+}
 
 // Of a row whose ends carry values, in the order of the triangle's rows.
 template <class Watch = NoObserve>

@@ -29,10 +29,27 @@ struct SpanTexture {
 template <class Value>
 struct SpanStart {
   decltype(Value() < Value()) has_length;
+  LengthOf<Value> length;
+  SumOf<Value> p;  // from the left end to the first pixel's centre
   Value recip_m, recip_e, h, h_step;
   SpanTexture<Value> u, v;
   std::array<Value, 4> shade, shade_step;
 };
+
+// A linear line from the left end of a row.
+template <class Value>
+struct LineStart {
+  Value start, step;
+};
+template <class Value, class Watch>
+HWY_INLINE LineStart<Value> start_line(const RowLine& line, const LengthForm& form,
+                                       const SpanStart<Value>& row, Value left, Value right, Watch watch) {
+  const Value step = where(
+      row.has_length, watch, [&](auto seen) HWY_ATTR __attribute__((always_inline)) {
+        return slope_or_none<Value>(line.step, form, difference(right, left), row.length, seen);
+      });
+  return {line_at(line.start, left, step, row.p, watch), step};
+}
 
 template <class Value, class Watch>
 HWY_INLINE SpanStart<Value> start_span_at(const SpanSetupStage& stage, const SpanEnd<Value>& l,
@@ -42,11 +59,12 @@ HWY_INLINE SpanStart<Value> start_span_at(const SpanSetupStage& stage, const Spa
   const SumOf<Value> distance = difference(r.x, l.x);
   const auto has_length = distance > SumOf<Value>(0);
   out.has_length = has_length;
-  const LengthOf<Value> length = length_where<Value>(has_length, stage.length, distance, watch);
+  const LengthOf<Value> length = out.length = length_where<Value>(has_length, stage.length, distance, watch);
   out.recip_m = length.inverse.m;
   out.recip_e = length.inverse.e;
   const SumOf<Value> p =
       (SumOf<Value>((x_first << 1) + Value(1)) << (stage.p_fraction - 1)) - (SumOf<Value>(l.x) << stage.x_up);
+  out.p = p;
   const auto step_of = [&](const Slope& s, SumOf<Value> n) HWY_ATTR __attribute__((always_inline)) {
     return where(
         has_length, watch, [&](auto seen) HWY_ATTR __attribute__((always_inline)) {
@@ -54,8 +72,8 @@ HWY_INLINE SpanStart<Value> start_span_at(const SpanSetupStage& stage, const Spa
         });
   };
 
-  out.h_step = step_of(stage.h_step, difference(r.h, l.h));
-  out.h = line_at(stage.h_start, l.h, out.h_step, p, watch);
+  out.h_step = step_of(stage.h_line.step, difference(r.h, l.h));
+  out.h = line_at(stage.h_line.start, l.h, out.h_step, p, watch);
   const auto texture = [&](Value left, Value right) HWY_ATTR __attribute__((always_inline)) {
     SpanTexture<Value> t;
     t.diff = t.base = none;
@@ -84,12 +102,10 @@ HWY_INLINE SpanStart<Value> start_span_at(const SpanSetupStage& stage, const Spa
   out.u = texture(l.u, r.u);
   out.v = texture(l.v, r.v);
   for (std::size_t c = 0; c < l.shade.size(); ++c) {
-    out.shade_step[c] = where(
-        has_length, watch, [&](auto seen) HWY_ATTR __attribute__((always_inline)) {
-          return slope_or_none<Value>(stage.shade_step, stage.length, difference(r.shade[c], l.shade[c]),
-                                      length, seen);
-        });
-    out.shade[c] = line_at(stage.shade_start, l.shade[c], out.shade_step[c], p, watch);
+    const LineStart<Value> line =
+        start_line(stage.shade_line, stage.length, out, l.shade[c], r.shade[c], watch);
+    out.shade[c] = line.start;
+    out.shade_step[c] = line.step;
   }
   return out;
 }

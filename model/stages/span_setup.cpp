@@ -10,6 +10,27 @@
 
 namespace bitspan::model {
 
+namespace {
+
+// x + 1/2 - x_l of a pixel; a picture is 2^20 pixels wide at most.
+Grid way_of(const Register& x) { return magnitude_of(x) + Grid{20, 1}; }
+
+}  // namespace
+
+RowLine make_row_line(const Config& config, const bitspan::Line& line, const LengthForm& length) {
+  const Register end = make_register(config, line.edge.kept);
+  const Register step = make_register(config, line.row.step);
+  return {make_slope(step, magnitude_of(end) + magnitude_of(end), length),
+          make_line(make_register(config, line.row.acc), &end, step,
+                    way_of(make_register(config, FormatId::edge_x)), offset_value(config, line.row))};
+}
+
+LengthForm make_row_length(const Config& config) {
+  const Grid x = magnitude_of(make_register(config, FormatId::edge_x));
+  return make_length_form(form_of(config.row_slope),
+                          ReciprocalUnit(config.row_reciprocal, RegisterId::row_reciprocal), x + x);
+}
+
 SpanSetupStage prepare_span_setup(const Config& config, const Constants& constants) {
   SpanSetupStage s;
   const auto reg = [&](FormatId id) { return make_register(config, id); };
@@ -42,17 +63,11 @@ SpanSetupStage prepare_span_setup(const Config& config, const Constants& constan
   const Register uv = reg(f.edge.kept);
   s.p_fraction = std::max(1, x.fraction);
   s.x_up = s.p_fraction - x.fraction;
-  const Grid p = magnitude_of(x) + Grid{20, 1};  // a picture is 2^20 pixels wide at most
-  s.length = make_length_form(s.form, s.reciprocal, magnitude_of(x) + magnitude_of(x));
+  const Grid p = way_of(x);
+  s.length = make_row_length(config);
   s.depth = make_depth_sum(reg(h.edge.kept), s.b, config.pixel_reciprocal);
-  // Of a linear line: its slope between the row's ends, and its start.
-  const auto between_ends = [&](const bitspan::Line& line, Slope& step, Line& start) {
-    const Register end = reg(line.edge.kept);
-    step = make_slope(reg(line.row.step), magnitude_of(end) + magnitude_of(end), s.length);
-    start = make_line(reg(line.row.acc), &end, step.r, p, offset_value(config, line.row));
-  };
-  between_ends(h, s.h_step, s.h_start);
-  between_ends(shade, s.shade_step, s.shade_start);
+  s.h_line = make_row_line(config, h, s.length);
+  s.shade_line = make_row_line(config, shade, s.length);
   const bool hyperbolic = has_pixel_quotients(config.perspective);
   const Grid uv_difference = magnitude_of(uv) + magnitude_of(uv);
   s.f_diff = make_product(reg(FormatId::span_f_diff), hyperbolic ? magnitude_of(uv) : uv_difference,
@@ -65,9 +80,8 @@ SpanSetupStage prepare_span_setup(const Config& config, const Constants& constan
                         s.length);
   s.f_start = make_line(s.f, linear ? &uv : hyperbolic ? &diff : nullptr, s.uv_step, p, s.f_offset);
   // The lanes have rows by their ends alone.
-  s.fits_lanes = !has_setup_plane(config) && lanes_hold(p) && s.length.fits_lanes && s.h_step.fits_lanes &&
-                 s.h_start.fits_lanes && s.f_step.fits_lanes && s.f_start.fits_lanes &&
-                 s.shade_step.fits_lanes && s.shade_start.fits_lanes &&
+  s.fits_lanes = !has_setup_plane(config) && lanes_hold(p) && s.length.fits_lanes && s.h_line.fits_lanes() &&
+                 s.shade_line.fits_lanes() && s.f_step.fits_lanes && s.f_start.fits_lanes &&
                  (linear || (lanes_hold(s.depth.magnitude) && s.f_diff.fits_lanes));
   return s;
 }
@@ -131,7 +145,7 @@ int span_setup(const SpanSetupStage& stage, const RowRecord& row, const Triangle
   const Exact h_x = value_of(p.h_x, stage.h_grad);
   out.h = at(value_of(plane.origin.h, stage.vertex_h), h_x, value_of(p.h_y, stage.h_grad), stage.h_offset,
              stage.plane_h);
-  out.h_step = quantize(h_x, stage.h_step.r, watch);
+  out.h_step = quantize(h_x, stage.h_line.step.r, watch);
   const auto texture = [&](std::int64_t f0, std::int64_t x, std::int64_t y, std::int64_t& start,
                            std::int64_t& step0, std::int64_t& step1) {
     const Exact along = value_of(x, stage.g_grad);
@@ -144,8 +158,8 @@ int span_setup(const SpanSetupStage& stage, const RowRecord& row, const Triangle
     const Exact along = value_of(p.*setup_plane_x[c], stage.shade_grad);
     out.*span_starts[c] =
         at(value_of(plane.origin.c[c], stage.vertex_shade), along,
-           value_of(p.*setup_plane_y[c], stage.shade_grad), stage.shade_offset, stage.shade_start.r);
-    out.*span_steps0[c] = out.*span_steps1[c] = quantize(along, stage.shade_step.r, watch);
+           value_of(p.*setup_plane_y[c], stage.shade_grad), stage.shade_offset, stage.shade_line.start.r);
+    out.*span_steps0[c] = out.*span_steps1[c] = quantize(along, stage.shade_line.step.r, watch);
   }
   return 0;
 }

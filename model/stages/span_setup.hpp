@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "config/config.hpp"
+#include "config/lines.hpp"
 #include "config/modes.hpp"
 #include "engine/records.hpp"
 #include "model/numeric/slope.hpp"
@@ -15,6 +16,16 @@
 
 namespace bitspan::model {
 
+// Of a linear line: its slope between the ends of a row, and its start on the row's first pixel.
+struct RowLine {
+  Slope step;
+  Line start;
+  bool fits_lanes() const { return step.fits_lanes && start.fits_lanes; }
+};
+RowLine make_row_line(const Config& config, const bitspan::Line& line, const LengthForm& length);
+// The length of a row, x_r - x_l.
+LengthForm make_row_length(const Config& config);
+
 struct SpanSetupStage {
   Perspective perspective = Perspective::delta_f;
   SlopeForm form = SlopeForm::reciprocal;
@@ -22,9 +33,10 @@ struct SpanSetupStage {
   int p_fraction = 1, x_up = 0;  // p = x_first + 1/2 - x_l, and edge.x's way onto its grid
   LengthForm length;             // R_row(x_r - x_l)
   DepthSum depth;                // h + B of a row's end
-  Slope h_step, f_step, shade_step;
+  RowLine h_line, shade_line;
+  Slope f_step;
   Product f_diff;
-  Line h_start, f_start, shade_start;
+  Line f_start;
   bool fits_lanes = false;  // no intermediate is wider than lanes hold
   // slope.row = plane.
   int subpixel_bits = 0;

@@ -6,6 +6,7 @@
 //   present()                 false: no texture
 //   filter()                  how texels are weighed
 //   may_be_reserved()         false: no texel has the reserved colour
+//   is_grey()                 true: red, green and blue of every texel are equal
 //   nearest(i, j)             wraps both (they come out wrapped) and gives the texel
 //   quad(i, j)                the texels (i, j), (i+1, j), (i, j+1), (i+1, j+1), each wrapped; i, j come out
 //   wrapped alpha(stage, word, watch) Q[texture.alpha](a / 255) of a word
@@ -128,6 +129,7 @@ struct TextureImage {
   bool present() const { return texture != nullptr; }
   TextureFilter filter() const { return by.filter; }
   static bool may_be_reserved() { return true; }
+  static bool is_grey() { return false; }
   std::int64_t word(std::int64_t i, std::int64_t j) const {
     if (i < 0 || j < 0 || i >= texture->width || j >= texture->height) return border;
     if (test.depth == nullptr) return word_of(texel_of(*texture, i, j));
@@ -258,6 +260,10 @@ HWY_INLINE Textured<ValueOf<Int>> sampled(const TextureStage& stage, const Image
           return blend<Int>(v5, v6, out.ey, e_fraction, r.fraction, r, watch);
         };
         for (std::size_t c = 0; c < 3; ++c) {
+          if (c > 0 && image.is_grey()) {
+            out.texel[c] = out.texel[0];
+            continue;
+          }
           out.texel[c] = mixed(channel_of(quad.v1, c), channel_of(quad.v4, c), channel_of(quad.v2, c),
                                channel_of(quad.v3, c), 0, stage.mix);
         }

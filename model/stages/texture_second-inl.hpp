@@ -46,14 +46,16 @@ HWY_INLINE Scaled<Int> combined_color(const TextureSecondStage& stage, ValueOf<I
 }
 
 // Colour and alpha of the first unit, combined with the texel of this one; share(v): Q[texture.alpha](v /
-// 255) of a colour on texture.mix.
+// 255) of a colour on texture.mix. grey: red, green and blue of the texel are equal.
 template <class Int, class Share, class Watch>
-HWY_INLINE void combine(const TextureSecondStage& stage, const std::array<ValueOf<Int>, 4>& texel,
+HWY_INLINE void combine(const TextureSecondStage& stage, const std::array<ValueOf<Int>, 4>& texel, bool grey,
                         const Share& share, std::array<ValueOf<Int>, 4>& color, Watch watch) {
   const TextureStage& f = stage.fetch;
+  ValueOf<Int> factor = share(texel[0]);
   for (std::size_t c = 0; c < 3; ++c) {
+    if (c > 0 && !grey) factor = share(texel[c]);
     const Scaled<Int> all =
-        combined_color<Int>(stage, color[c], texel[c], texel[3], share(texel[c]), stage.constant[c]);
+        combined_color<Int>(stage, color[c], texel[c], texel[3], factor, stage.constant[c]);
     color[c] = quantize(all.raw, all.fraction, f.color, watch);
   }
   switch (stage.op) {

@@ -105,7 +105,7 @@ bool texture_second(const TextureSecondStage& stage, const MipChain* chain, cons
   const TextureStage& f = stage.fetch;
   const auto share = [&](std::int64_t v) { return quantize_ratio(v, 255, -f.mix.fraction, f.alpha, watch); };
   std::array<std::int64_t, 4> color{first.r, first.g, first.b, first.a};
-  HWY_NAMESPACE::combine<int128>(stage, found.texel, share, color, watch);
+  HWY_NAMESPACE::combine<int128>(stage, found.texel, false, share, color, watch);
   const auto& [r, g, b, a] = color;
   const bool killed = (f.kills_zero && a == 0) || !passes_alpha_test(f, a);
   out = {fragment.triangle,

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "config/lines.hpp"
+#include "config/check.hpp"
 #include "config/modes.hpp"
 #include "model/simd/targets.hpp"
 #include "report/random_config.hpp"
@@ -23,10 +23,10 @@ namespace {
 
 constexpr VectorTarget targets[] = {VectorTarget::avx512, VectorTarget::avx2, VectorTarget::baseline};
 
-// What the kernels deliver, by the scalar stages.
+// What the kernels deliver, by the scalar stages; the channels in use of each span.
 template <class Watch = NoObserve>
 void by_stages(const Pipeline& pipeline, const Scene& scene, std::int64_t first, Trace& trace,
-               Counters& counters, Watch watch = {}) {
+               std::vector<SpanChannels>& channels, Counters& counters, Watch watch = {}) {
   Rows rows;
   PlaneWalkState walk;
   for (std::size_t t = 0; t < scene.triangles.size(); ++t) {
@@ -35,6 +35,7 @@ void by_stages(const Pipeline& pipeline, const Scene& scene, std::int64_t first,
                      &trace, watch);
     for (std::size_t i = 0; i < rows.size(); ++i) {
       trace.span.push_back(row_to_span(pipeline, rows, i, counters, watch));
+      channels.push_back(row_to_channels(pipeline, rows, i, trace.span.back(), counters, nullptr, watch));
     }
   }
 }
@@ -112,9 +113,34 @@ void all_to_spans(const TriangleKernels& kernels, const Pipeline& pipeline, Tria
   }
 }
 
+// Spans as they are read, and their channels: places gives those that are expected, in order.
+bool same_spans(const Pipeline& pipeline, const Columns<SpanRecord>& spans, const TriangleBatch& batch,
+                const Trace& expected, const std::vector<SpanChannels>& channels,
+                const std::vector<std::size_t>& places, const std::string& where) {
+  std::vector<SpanRecord> got;
+  std::vector<SpanRecord> wanted;
+  for (std::size_t i = 0; i < spans.size; ++i) got.push_back(as_read(spans.record(i)));
+  for (const std::size_t i : places) wanted.push_back(as_read(expected.span[i]));
+  if (!same(got, wanted, where)) return false;
+  for (std::size_t c = 0; c < pipeline.channels.in_use.size(); ++c) {
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const SpanChannelRecord& want = channels[places[i]].record[c];
+      const std::int64_t w = batch.channels[c][&SpanChannelRecord::w][i];
+      const std::int64_t step = batch.channels[c][&SpanChannelRecord::w_step0][i];
+      if (w == want.w && step == want.w_step0) continue;
+      ADD_FAILURE() << where << ": channel " << want.channel << " of triangle " << want.triangle << " at "
+                    << want.x << ", " << want.y << " is " << w << " by " << step << ", not " << want.w
+                    << " by " << want.w_step0;
+      return false;
+    }
+  }
+  return true;
+}
+
 // The same triangles by bands of rows, counted in the first one: every span once, and every count.
 bool check_bands(const TriangleKernels& kernels, const Pipeline& pipeline, const Scene& scene,
-                 std::int64_t first, std::int64_t band, const Trace& expected, const Counters& counted,
+                 std::int64_t first, std::int64_t band, const Trace& expected,
+                 const std::vector<SpanChannels>& channels, const Counters& counted,
                  const std::string& where) {
   Selection all(scene.triangles, first);
   TriangleBatch batch;
@@ -127,13 +153,10 @@ bool check_bands(const TriangleKernels& kernels, const Pipeline& pipeline, const
     for (std::uint32_t& w : all.which) w |= TriangleRows::counted;
   }
   EXPECT_EQ(text_of(counters), text_of(counted)) << where;
-  std::vector<SpanRecord> got;
-  for (std::size_t i = 0; i < spans.size; ++i) got.push_back(as_read(spans.record(i)));
-  std::vector<SpanRecord> wanted;
-  for (const SpanRecord& s : expected.span) wanted.push_back(as_read(s));
-  const auto in_bands = [&](const SpanRecord& a, const SpanRecord& b) { return a.y / band < b.y / band; };
-  std::stable_sort(wanted.begin(), wanted.end(), in_bands);
-  return same(got, wanted, where) && counters == counted;
+  std::vector<std::size_t> places(expected.span.size());
+  std::iota(places.begin(), places.end(), std::size_t{0});
+  std::ranges::stable_sort(places, {}, [&](std::size_t i) { return expected.span[i].y / band; });
+  return same_spans(pipeline, spans, batch, expected, channels, places, where) && counters == counted;
 }
 
 // True where everything agrees.
@@ -143,7 +166,8 @@ bool check(const Config& config, const Scene& scene, const std::string& name) {
   Trace expected;
   Counters counted;
   Statistics seen;
-  by_stages(pipeline, scene, first, expected, counted, Observe{&seen});
+  std::vector<SpanChannels> channels;
+  by_stages(pipeline, scene, first, expected, channels, counted, Observe{&seen});
   bool good = true;
   for (const VectorTarget target : targets) {
     if (!supported(target)) {
@@ -175,13 +199,11 @@ bool check(const Config& config, const Scene& scene, const std::string& name) {
                  Selection(all.subspan(half), first + static_cast<std::int64_t>(half)).rows, batch, spans,
                  counters, nullptr);
     EXPECT_EQ(text_of(counters), text_of(counted)) << where;
-    std::vector<SpanRecord> got;
-    std::vector<SpanRecord> wanted;
-    for (std::size_t i = 0; i < spans.size; ++i) got.push_back(as_read(spans.record(i)));
-    for (const SpanRecord& s : expected.span) wanted.push_back(as_read(s));
-    good = good && same(got, wanted, where);
+    std::vector<std::size_t> places(expected.span.size());
+    std::iota(places.begin(), places.end(), std::size_t{0});
+    good = good && same_spans(pipeline, spans, batch, expected, channels, places, where);
     for (const std::int64_t band : {1, 7, 64}) {
-      good = good && check_bands(kernels, pipeline, scene, first, band, expected, counted,
+      good = good && check_bands(kernels, pipeline, scene, first, band, expected, channels, counted,
                                  where + ", bands of " + std::to_string(band));
     }
     if (!good) {
@@ -235,6 +257,21 @@ TEST(Triangles, RandomScenesInEveryMode) {
   }
 }
 
+// Every other configuration has the channels of a projector, where that is legal.
+Config with_projector(Config config, std::uint64_t seed) {
+  Config with = config;
+  with.project = ProjectUnit::reciprocal;
+  return seed % 2 == 0 && !first_violation(with) ? with : config;
+}
+// A scene that asks for every channel that a configuration may have.
+Scene scene_with_channels(std::uint64_t seed, const RandomOptions& options) {
+  Scene scene = random_scene(seed, options);
+  Random random(seed);
+  draw_given_attributes(random, scene, 0.5);
+  draw_projection(random, scene);
+  return scene;
+}
+
 TEST(Triangles, RandomConfigurations) {
   const std::vector<Config> bases = shipped_configs();
   RandomConfigOptions options;
@@ -243,18 +280,20 @@ TEST(Triangles, RandomConfigurations) {
       throw InputError("not walked by rows");
     }
     if (has_setup_gradients(c)) throw InputError("its gradients are not in lanes");
-    if (ChannelList(c).size() > 0) throw InputError("channels are not in lanes");
   };
   RandomOptions scenes = small_scenes();
   scenes.triangles = 24;
   int in_lanes = 0;
+  int with_channels = 0;
   constexpr int runs = 180;
   for (std::uint64_t seed = 1; seed <= runs; ++seed) {
-    const Config config = random_config(seed, bases, options);
-    const Scene scene = random_scene(seed, scenes);
+    const Config config = with_projector(random_config(seed, bases, options), seed);
+    const Scene scene = scene_with_channels(seed, scenes);
     const std::string name = "configuration and scene of seed " + std::to_string(seed);
     try {
-      in_lanes += triangles_in_lanes(make_pipeline(config, scene)) ? 1 : 0;
+      const Pipeline pipeline = make_pipeline(config, scene);
+      in_lanes += triangles_in_lanes(pipeline) ? 1 : 0;
+      with_channels += triangles_in_lanes(pipeline) && pipeline.channels.any() ? 1 : 0;
     } catch (const InputError&) {
       continue;  // the scene's range does not fit
     }
@@ -262,6 +301,7 @@ TEST(Triangles, RandomConfigurations) {
       return;
     }
   }
+  EXPECT_GT(with_channels, 30);
   // The test is of the lanes, so many must take them. Wide formats, which are drawn too, do not.
   EXPECT_GT(in_lanes, 60);  // levels of textures and rows by planes have no lanes
 }
@@ -275,13 +315,12 @@ TEST(Triangles, RandomConfigurationsOfBranchFreeRegisters) {
       throw InputError("not walked by rows");
     }
     if (has_setup_gradients(c)) throw InputError("its gradients are not in lanes");
-    if (ChannelList(c).size() > 0) throw InputError("channels are not in lanes");
   };
   RandomOptions scenes = small_scenes();
   scenes.triangles = 24;
   constexpr Rounding modes[] = {Rounding::trn, Rounding::rnd, Rounding::rnd_min_inf};
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
-    Config config = random_config(seed, bases, options);
+    Config config = with_projector(random_config(seed, bases, options), seed);
     Random random(seed);
     const auto make_branch_free = [&](Format& f) {
       f.rounding = modes[random.integer(0, 2)];
@@ -291,7 +330,7 @@ TEST(Triangles, RandomConfigurationsOfBranchFreeRegisters) {
     for (Reciprocal* r : {&config.edge_reciprocal, &config.row_reciprocal, &config.pixel_reciprocal}) {
       make_branch_free(r->output);
     }
-    const Scene scene = random_scene(seed, scenes);
+    const Scene scene = scene_with_channels(seed, scenes);
     try {
       make_pipeline(config, scene);
     } catch (const InputError&) {

@@ -32,6 +32,11 @@ HWY_INLINE DepthPoint<Lanes> depth_code_of(const DepthStage& stage, const DepthF
   return depth_point<Lanes>(f, stage.scene, h, watch);
 }
 
+HWY_INLINE Lanes biased(const DepthStage& stage, Lanes z) {
+  if (stage.bias == 0) return z;
+  return min(max(z + Lanes(stage.bias), Lanes(0)), Lanes(stage.formats.zmax));
+}
+
 constexpr std::int64_t pixels_a_line = 16;  // of the cache, depth codes or colours
 
 // Small triangles lie anywhere in the buffers, and a span would wait for its depth codes longer than all else
@@ -54,9 +59,12 @@ enum class Test : std::uint8_t {
   walked  // h is no ramp
 };
 
+// Whether the draw state adds a bias to the codes.
+enum class Bias : std::uint8_t { none, of_state };
+
 // Tests pixels from .. to of a span, writes the places of those that pass to `passing` and, unless they are
 // stored right away, their codes. Returns how many passed. func: a constant where the test must be fast.
-template <bool store, Test how, class Watch>
+template <bool store, Test how, class Watch, Bias bias = Bias::none>
 HWY_INLINE std::size_t test_depth(const DepthStage& stage, const DepthFormats& f, DepthFunc func,
                                   const Sequence& h, std::uint32_t* stored, std::size_t from, std::size_t to,
                                   std::int32_t* passing, std::int32_t* codes) {
@@ -64,6 +72,10 @@ HWY_INLINE std::size_t test_depth(const DepthStage& stage, const DepthFormats& f
   auto* const buffer = reinterpret_cast<std::int32_t*>(stored);
   // Unsigned order by signed comparison.
   const Lanes32 flip(f.z.word > 31 ? INT32_MIN : 0);
+  const auto code_at = [&](Lanes of) HWY_ATTR {
+    const Lanes z = depth_code_of(stage, f, of, Watch{}).z;
+    return bias == Bias::none ? z : biased(stage, z);
+  };
   const Lanes advance(h.increment * static_cast<std::int64_t>(Lanes32::count));
   Lanes first = at(h, Lanes::iota(static_cast<std::int64_t>(from)));
   Lanes second = first + Lanes(h.increment * static_cast<std::int64_t>(Lanes::count));
@@ -73,8 +85,7 @@ HWY_INLINE std::size_t test_depth(const DepthStage& stage, const DepthFormats& f
       first = at(h, Lanes::iota(static_cast<std::int64_t>(k)));
       second = at(h, Lanes::iota(static_cast<std::int64_t>(std::min(k + Lanes::count, to))));
     }
-    const Lanes32 z =
-        low_halves(depth_code_of(stage, f, first, Watch{}).z, depth_code_of(stage, f, second, Watch{}).z);
+    const Lanes32 z = low_halves(code_at(first), code_at(second));
     first = first + advance;
     second = second + advance;
     const bool whole = how != Test::few && k + Lanes32::count <= to;

@@ -26,13 +26,9 @@ template <class Watch>
 HWY_NOINLINE void depth_words(const DepthStage& stage, const Sequence& h, int log2_dz, std::size_t from,
                               std::size_t to, std::int32_t* codes) {
   const DepthFormats f = stage.formats;
-  const Lanes bias(stage.bias);
-  const Lanes zmax(f.zmax);
   for (std::size_t k = from; k < to; k += Lanes::count) {
     const Lanes place = Lanes::iota(static_cast<std::int64_t>(k));
-    Lanes z = depth_code_of(stage, f, at(h, place), Watch{}).z;
-    if (stage.bias != 0) z = min(max(z + bias, Lanes(0)), zmax);
-    store_as(codes + (k - from), z);
+    store_as(codes + (k - from), biased(stage, depth_code_of(stage, f, at(h, place), Watch{}).z));
   }
   for (std::size_t k = 0; has_dz(f.code) && k < to - from; ++k) {
     const std::int64_t z = static_cast<std::uint32_t>(codes[k]);
@@ -40,38 +36,33 @@ HWY_NOINLINE void depth_words(const DepthStage& stage, const Sequence& h, int lo
   }
 }
 
-// The places and codes of those that pass, side by side; returns how many.
-inline std::size_t keep_passing(const DepthStage& stage, const std::uint32_t* stored, std::size_t from,
-                                std::size_t to, std::int32_t* places, std::int32_t* codes) {
-  const Lanes32::Tag d;
-  const Lanes32 flip(stage.formats.z.word > 31 ? INT32_MIN : 0);
-  const auto* buffer = reinterpret_cast<const std::int32_t*>(stored);
-  std::size_t n = 0;
-  for (std::size_t k = from; k < to; k += Lanes32::count) {
-    const Lanes32::Mask inside = first_lanes<std::int32_t>(to - k);
-    const Lanes32 z = Lanes32::load(codes + (k - from));
-    const Lanes32 old = Lanes32::from(hn::MaskedLoad(inside.m, d, buffer + k));
-    const Lanes32::Mask pass = depth_passes(stage.formats, stage.func, z ^ flip, old ^ flip) & inside;
-    if (!any(pass)) continue;
-    packed(Lanes32::iota(static_cast<std::int32_t>(k)), pass).store(places + n);
-    packed(z, pass).store(codes + n);
-    n += set_in(pass);
+// As test_depth, by the draw state's comparison and bias.
+template <bool store, class Watch>
+HWY_NOINLINE std::size_t test_by_state(const DepthStage& stage, const Sequence& h, std::uint32_t* stored,
+                                       std::size_t from, std::size_t to, std::int32_t* passing,
+                                       std::int32_t* codes) {
+  const DepthFormats f = stage.formats;  // a copy: no store can change it
+  if (is_ramp(h)) {
+    return test_depth<store, Test::many, Watch, Bias::of_state>(stage, f, stage.func, h, stored, from, to,
+                                                                passing, codes);
   }
+  const std::size_t n = test_depth<false, Test::walked, Watch, Bias::of_state>(
+      stage, f, stage.func, h, stored, from, to, passing, codes);
+  for (std::size_t k = 0; store && k < n; ++k) stored[passing[k]] = static_cast<std::uint32_t>(codes[k]);
   return n;
 }
 
 template <class T>
-void draw_any(const Pipeline& pipeline, const Columns<SpanRecord>& spans,
-              std::span<const SpanChannelRecord> channels, std::span<const SpanDraw> draws,
-              std::int64_t first_index, SpanWork<T>& work, Frame& frame, Counters& counters,
-              BlockSink<T>& sink) {
+void draw_any(const Pipeline& pipeline, const Columns<SpanRecord>& spans, const ChannelColumns& channels,
+              std::span<const SpanDraw> draws, std::int64_t first_index, SpanWork<T>& work, Frame& frame,
+              Counters& counters, BlockSink<T>& sink) {
   using Watch = std::conditional_t<sizeof(T) == 4, BranchFree, NoObserve>;
   find_ramps<nullptr>(pipeline.span.formats, spans, work.ramps);
   Filler<T, Watch, nullptr> filler(pipeline, work, sink);
   PixelTests tests{pipeline, false, frame, counters};
   const bool late = is_late(pipeline.state.depth_when);
+  const bool tests_depth_alone = !late && tests.depth_alone();
   std::uint64_t fragments = 0;
-  const std::size_t in_use = pipeline.channels.in_use.size();
   const int depth_at = pipeline.channels.depth_at;
   Sequences s;
   PerChannel<Sequence> of_channels;
@@ -86,21 +77,31 @@ void draw_any(const Pipeline& pipeline, const Columns<SpanRecord>& spans,
     const auto count = static_cast<std::size_t>(spans[&SpanRecord::count][i]);
     tests.back = draw.back;
     fragments += count;
+    if (const std::size_t ahead = i + spans_ahead; ahead < spans.size) {
+      fetch_depth(frame, spans[&SpanRecord::y][ahead] * frame.width + spans[&SpanRecord::x][ahead],
+                  spans[&SpanRecord::count][ahead]);
+    }
     // Gives another triangle's block away: from here on a pixel may repeat.
     filler.join(draw, triangle);
     registers_of(pipeline.span, spans, i, work, s);
-    channels_of(pipeline.channels, channels.subspan(i * in_use, in_use), count, work.channel_values,
-                of_channels);
+    channels_of(pipeline.channels, channels, i, count, work.channel_values, of_channels);
     for (std::size_t from = 0; from < count; from += block_size) {
       const std::size_t to = std::min(count, from + block_size);
       // The channel z has the registers of h.
       const Sequence& line = depth_at < 0 ? s[0] : of_channels[static_cast<std::size_t>(depth_at)];
-      depth_words<Watch>(pipeline.depth, line, draw.log2_dz, from, to, codes);
+      std::uint32_t* const stored = frame.depth.data() + first_pixel;
       std::size_t n = 0;
-      if (!late && tests.depth_alone()) {
-        n = keep_passing(pipeline.depth, frame.depth.data() + first_pixel, from, to, places, codes);
+      if (tests_depth_alone && draw.is_unseen) {
+        n = test_by_state<true, Watch>(pipeline.depth, line, stored, from, to, places, codes);
+        counters.depth_passed += n;
+        counters.written += n;
+        continue;
+      }
+      if (tests_depth_alone) {
+        n = test_by_state<false, Watch>(pipeline.depth, line, stored, from, to, places, codes);
         counters.depth_passed += n;
       } else {
+        depth_words<Watch>(pipeline.depth, line, draw.log2_dz, from, to, codes);
         for (std::size_t k = from; k < to; ++k) {
           const auto at = static_cast<std::int64_t>(k);
           const std::int32_t z = codes[k - from];

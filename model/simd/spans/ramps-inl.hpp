@@ -105,18 +105,19 @@ HWY_INLINE void registers_of(const SpanStage& stage, const Columns<SpanRecord>& 
     out[k] = {spans[starts[k]][i], work.ramps.increment[k][i], nullptr};
 }
 
-// The channels of a span of so many fragments, whose forms fit int64.
-HWY_INLINE void channels_of(const ChannelStage& stage, std::span<const SpanChannelRecord> span,
+// The channels of span i, of so many fragments; their forms fit int64.
+HWY_INLINE void channels_of(const ChannelStage& stage, const ChannelColumns& spans, std::size_t i,
                             std::size_t count, PerChannel<std::vector<std::int64_t>>& values,
                             PerChannel<Sequence>& out) {
-  for (std::size_t c = 0; c < span.size(); ++c) {
+  for (std::size_t c = 0; c < stage.in_use.size(); ++c) {
     const Adder& adder = stage.in_use[c].along_row;
+    const std::int64_t start = spans[c][&SpanChannelRecord::w][i];
+    const std::int64_t step = spans[c][&SpanChannelRecord::w_step0][i];
     const auto last = static_cast<std::int64_t>(count) - 1;
-    const RampLanes ramp =
-        make_ramp(adder, Lanes(span[c].w), Lanes(span[c].w_step0), Lanes(last), most_ramp_bits);
+    const RampLanes ramp = make_ramp(adder, Lanes(start), Lanes(step), Lanes(last), most_ramp_bits);
     out[c] = last < std::int64_t{1} << most_ramp_bits && all(ramp.linear)
-                 ? Sequence{span[c].w, lane(ramp.increment, 0), nullptr}
-                 : walked(adder, true, span[c].w, span[c].w_step0, count, values[c], NoObserve{});
+                 ? Sequence{start, lane(ramp.increment, 0), nullptr}
+                 : walked(adder, true, start, step, count, values[c], NoObserve{});
   }
 }
 

@@ -2,6 +2,7 @@
 // Triangles to edges: setup, slopes and the first row of every edge. The lanes are triangles.
 #include <algorithm>
 #include <array>
+#include <cstring>
 
 #include "config/modes.hpp"
 #include "model/channels.hpp"
@@ -41,15 +42,17 @@ struct Stages {
   const SetupStage& setup;
   const EdgeWalkStage& walk;
   const SpanSetupStage& span;
+  const ChannelStage& channels;
 };
 
 // One of the three edges of each triangle of a group, as it stands on its first row.
 struct EdgeGroup {
   static constexpr std::size_t sequences = accumulators + 1;  // the last one: x
-  static constexpr std::size_t constants = 4;                 // u1, v1 and two of x
-  HWY_ALIGN std::int64_t start[sequences][lane_count];
-  HWY_ALIGN std::int64_t step[sequences][lane_count];
-  HWY_ALIGN std::int64_t increment[sequences][lane_count];
+  static constexpr std::size_t with_channels = sequences + channel_limit;
+  static constexpr std::size_t constants = 4;  // u1, v1 and two of x
+  HWY_ALIGN std::int64_t start[with_channels][lane_count];
+  HWY_ALIGN std::int64_t step[with_channels][lane_count];
+  HWY_ALIGN std::int64_t increment[with_channels][lane_count];
   HWY_ALIGN std::int64_t walked[lane_count];  // bit i: sequence i is no ramp
   HWY_ALIGN std::int64_t constant[constants][lane_count];
   HWY_ALIGN std::int64_t first[lane_count];  // rows of the triangle: first, and one past the last
@@ -64,9 +67,12 @@ struct TriangleGroup {
   HWY_ALIGN std::int64_t mid_right[lane_count];
 };
 
-// What walks a sequence; null where it is an exact ramp.
-using Adders = std::array<const Adder*, EdgeGroup::sequences>;
-Adders adders_of(const EdgeWalkStage& stage) {
+// What walks the sequences in use; null where one is an exact ramp.
+struct Adders {
+  std::array<const Adder*, EdgeGroup::with_channels> of{};
+  std::size_t used = EdgeGroup::sequences;
+};
+Adders adders_of(const EdgeWalkStage& stage, const ChannelStage& channels) {
   const auto x_adder = [&]() -> const Adder* {
     switch (stage.edge_x) {
       case EdgeX::summed:
@@ -77,8 +83,10 @@ Adders adders_of(const EdgeWalkStage& stage) {
     }
     unreachable();
   };
-  return {&stage.h_acc,     &stage.f,         &stage.f,         &stage.shade_acc,
-          &stage.shade_acc, &stage.shade_acc, &stage.shade_acc, x_adder()};
+  Adders adders{{&stage.h_acc, &stage.f, &stage.f, &stage.shade_acc, &stage.shade_acc, &stage.shade_acc,
+                 &stage.shade_acc, x_adder()}};
+  for (const ChannelForm& form : channels.in_use) adders.of[adders.used++] = &form.along_edge;
+  return adders;
 }
 
 HWY_INLINE const Triangle& triangle_at(const TriangleRows& from, std::size_t i) {
@@ -117,25 +125,30 @@ HWY_INLINE std::array<RealVertex<Doubles>, 3> load_vertices(const TriangleRows& 
   return out;
 }
 
+// The record of lane i.
+SetupRecord setup_record(const std::array<VertexOf<Lanes>, 3>& v, std::int64_t triangle,
+                         std::int64_t mid_right, std::size_t i) {
+  SetupRecord r;
+  r.triangle = triangle;
+  r.mid_right = mid_right;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto& c = v[k].c;
+    put_vertex(r, static_cast<int>(k),
+               {lane(v[k].x, i),
+                lane(v[k].y, i),
+                lane(v[k].h, i),
+                lane(v[k].u, i),
+                lane(v[k].v, i),
+                {lane(c[0], i), lane(c[1], i), lane(c[2], i), lane(c[3], i)}});
+  }
+  return r;
+}
+
 void trace_setup(const std::array<VertexOf<Lanes>, 3>& v, Lanes::Mask active, Lanes mid_right,
                  const std::int64_t* index, Trace& trace) {
   const Lanes drawn = one_where(active);
   for (std::size_t i = 0; i < lane_count; ++i) {
-    if (lane(drawn, i) == 0) continue;
-    SetupRecord r;
-    r.triangle = index[i];
-    r.mid_right = lane(mid_right, i);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto& c = v[k].c;
-      put_vertex(r, static_cast<int>(k),
-                 {lane(v[k].x, i),
-                  lane(v[k].y, i),
-                  lane(v[k].h, i),
-                  lane(v[k].u, i),
-                  lane(v[k].v, i),
-                  {lane(c[0], i), lane(c[1], i), lane(c[2], i), lane(c[3], i)}});
-    }
-    trace.setup.push_back(r);
+    if (lane(drawn, i) != 0) trace.setup.push_back(setup_record(v, index[i], lane(mid_right, i), i));
   }
 }
 
@@ -177,7 +190,7 @@ HWY_INLINE void start_edges(const EdgeWalkStage& stage, const Adders& adders, co
   const auto put = [&](std::size_t i, Lanes start, Lanes step) HWY_ATTR {
     start.store(out.start[i]);
     step.store(out.step[i]);
-    const RampLanes ramp = make_ramp(*adders[i], start, step, steps, steps_bits);
+    const RampLanes ramp = make_ramp(*adders.of[i], start, step, steps, steps_bits);
     ramp.increment.store(out.increment[i]);
     walked = walked | select(ramp.linear, Lanes(0), Lanes(std::int64_t{1} << i));
   };
@@ -210,6 +223,54 @@ HWY_INLINE void start_edges(const EdgeWalkStage& stage, const Adders& adders, co
   from.v.store(out.constant[1]);
   x1.store(out.constant[2]);
   x2.store(out.constant[3]);
+}
+
+// The edges' channels, of the triangles that have rows. A triangle's are set up by the scalar stage.
+HWY_NOINLINE void start_channels(const Stages& stages, const Adders& adders, const TriangleRows& from,
+                                 std::size_t first, std::size_t n, const std::array<VertexOf<Lanes>, 3>& v,
+                                 const std::array<EdgeOf<Lanes>, 3>& edges,
+                                 const std::array<Lanes::Mask, 3>& has, TriangleGroup& out) {
+  constexpr std::size_t at = EdgeGroup::sequences;
+  const std::size_t in_use = stages.channels.in_use.size();
+  for (EdgeGroup& e : out.edges) {
+    std::memset(e.start[at], 0, in_use * sizeof e.start[0]);
+    std::memset(e.step[at], 0, in_use * sizeof e.step[0]);
+  }
+  for (std::size_t j = 0; j < n; ++j) {
+    if (out.rows[j] <= out.skip[j]) continue;
+    Edges of_triangle{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (lane(one_where(has[k]), j) == 0) continue;
+      EdgeRecord& e = of_triangle.edge[static_cast<std::size_t>(of_triangle.count++)];
+      e.edge = static_cast<std::int64_t>(k);
+      e.recip_m = lane(edges[k].recip_m, j);
+      e.recip_e = lane(edges[k].recip_e, j);
+    }
+    const TriangleChannels made =
+        setup_channels(stages.channels, triangle_at(from, first + j),
+                       setup_record(v, out.index[j], out.mid_right[j], j), &of_triangle, nullptr);
+    for (std::size_t k = 0; k < 3; ++k) {
+      EdgeGroup& e = out.edges[k];
+      if (e.first[j] >= e.end[j]) continue;
+      const auto edge = static_cast<std::int64_t>(k);
+      for (std::size_t c = 0; c < in_use; ++c) {
+        e.start[at + c][j] = start_edge(stages.channels, made, c, edge).acc;
+        e.step[at + c][j] = edge_step(made.record[c], edge);
+      }
+    }
+  }
+  const int steps_bits = bit_length(static_cast<std::uint64_t>(stages.walk.height));
+  for (EdgeGroup& e : out.edges) {
+    const Lanes steps = max(Lanes::load(e.end) - Lanes::load(e.first) - Lanes(1), Lanes(0));
+    Lanes walked = Lanes::load(e.walked);
+    for (std::size_t s = at; s < adders.used; ++s) {
+      const RampLanes ramp =
+          make_ramp(*adders.of[s], Lanes::load(e.start[s]), Lanes::load(e.step[s]), steps, steps_bits);
+      ramp.increment.store(e.increment[s]);
+      walked = walked | select(ramp.linear, Lanes(0), Lanes(std::int64_t{1} << s));
+    }
+    walked.store(e.walked);
+  }
 }
 
 // Setup of up to a vector of triangles: `first` and up of the selection, n of them.
@@ -265,7 +326,9 @@ HWY_INLINE void set_up(const Stages& stages, const Adders& adders, const Triangl
     firsts[k].store(out.edges[k].first);
     lasts[k].store(out.edges[k].end);
     start_edges(walk, adders, a, b, edges[k], y + firsts[k], lasts[k] - firsts[k], out.edges[k], observer);
+    counters.divides_edge += set_in(has[k] & counts) * divides_of_edge(stages.channels);
   }
+  if (stages.channels.any()) start_channels(stages, adders, from, first, n, v, edges, has, out);
   if (trace != nullptr) {
     trace_setup(v, active, mid_right, out.index, *trace);
     trace_edges(edges, has, out.index, *trace);

@@ -24,6 +24,7 @@ struct SideColumns {
   std::array<Member<RowRecord>, accumulators> acc;
   std::array<Member<RowRecord>, 4> shade;
   Member<RowSource> x0, x1, x2, u1, v1;
+  Member<RowChannelRecord> channel_acc;
 };
 constexpr SideColumns left_columns{
     &RowRecord::l_edge,
@@ -41,7 +42,8 @@ constexpr SideColumns left_columns{
     &RowSource::l_x1,
     &RowSource::l_x2,
     &RowSource::l_u1,
-    &RowSource::l_v1};
+    &RowSource::l_v1,
+    &RowChannelRecord::l_acc};
 constexpr SideColumns right_columns{
     &RowRecord::r_edge,
     &RowRecord::r_x_acc,
@@ -58,12 +60,13 @@ constexpr SideColumns right_columns{
     &RowSource::r_x1,
     &RowSource::r_x2,
     &RowSource::r_u1,
-    &RowSource::r_v1};
+    &RowSource::r_v1,
+    &RowChannelRecord::r_acc};
 
 // Where the rows of a batch go: the columns of both ends.
 struct RowColumns {
   struct Side {
-    std::array<std::int64_t*, EdgeGroup::sequences> sequence;
+    std::array<std::int64_t*, EdgeGroup::with_channels> sequence;
     std::array<std::int64_t*, EdgeGroup::constants> constant;  // null where nobody reads it
     std::int64_t* edge;
   };
@@ -71,9 +74,12 @@ struct RowColumns {
   std::int64_t* y;
   Side left, right;
 };
-RowColumns row_columns(const EdgeWalkStage& stage, TriangleBatch& batch, bool trace) {
+RowColumns row_columns(const EdgeWalkStage& stage, TriangleBatch& batch, std::size_t channels, bool trace) {
   const auto side_of = [&](const SideColumns& c) {
-    RowColumns::Side side;
+    RowColumns::Side side{};
+    for (std::size_t i = 0; i < channels; ++i) {
+      side.sequence[EdgeGroup::sequences + i] = batch.row_channels[i][c.channel_acc];
+    }
     for (std::size_t s = 0; s < accumulators; ++s) side.sequence[s] = batch.rows[c.acc[s]];
     side.sequence[accumulators] = has_x_step(stage.edge_x) ? batch.rows[c.x_acc] : batch.sources[c.x0];
     side.constant = {stage.linear_edges ? nullptr : batch.sources[c.u1],
@@ -141,15 +147,17 @@ HWY_INLINE void emit(const Adders& adders, EdgeGroup& e, std::size_t j, std::int
                      const RowColumns::Side& side, std::size_t to, const Observer& observer) {
   if (e.walked[j] == 0 && first == 0 && n <= lane_count) [[likely]] {
     const Lanes iota = Lanes::iota(0);
-    for (std::size_t s = 0; s < EdgeGroup::sequences; ++s) {
+    const auto put = [&](std::size_t s) HWY_ATTR {
       (Lanes(e.start[s][j]) + Lanes(e.increment[s][j]) * iota).store(side.sequence[s] + to);
-    }
+    };
+    for (std::size_t s = 0; s < EdgeGroup::sequences; ++s) put(s);
+    for (std::size_t s = EdgeGroup::sequences; s < adders.used; ++s) put(s);
   } else {
-    for (std::size_t s = 0; s < EdgeGroup::sequences; ++s) {
+    for (std::size_t s = 0; s < adders.used; ++s) {
       if ((e.walked[j] >> s & 1) == 0) {
         store_ramp(side.sequence[s] + to, e.start[s][j] + first * e.increment[s][j], e.increment[s][j], n);
       } else {
-        walk(*adders[s], e, s, j, first, n, side.sequence[s] + to, observer);
+        walk(*adders.of[s], e, s, j, first, n, side.sequence[s] + to, observer);
       }
     }
   }
@@ -162,18 +170,18 @@ HWY_INLINE void emit(const Adders& adders, EdgeGroup& e, std::size_t j, std::int
 template <class Observer>
 void skip_rows(const Adders& adders, EdgeGroup& e, std::size_t j, std::int64_t first,
                const Observer& observer) {
-  for (std::size_t s = 0; s < EdgeGroup::sequences; ++s) {
+  for (std::size_t s = 0; s < adders.used; ++s) {
     if ((e.walked[j] >> s & 1) == 0) continue;
     for (std::int64_t i = 1; i < first; ++i) {
-      e.start[s][j] = next_row(*adders[s], e.start[s][j], e.step[s][j], observer);
+      e.start[s][j] = next_row(*adders.of[s], e.start[s][j], e.step[s][j], observer);
     }
   }
 }
 
 void note_ramps(const Adders& adders, const EdgeGroup& e, std::size_t j, Statistics& statistics) {
-  for (std::size_t s = 0; s < adders.size(); ++s) {
-    if (adders[s] != nullptr && (e.walked[j] >> s & 1) == 0) {
-      note_ramp(*adders[s], e.start[s][j], e.step[s][j], e.increment[s][j], e.end[j] - e.first[j] - 1,
+  for (std::size_t s = 0; s < adders.used; ++s) {
+    if (adders.of[s] != nullptr && (e.walked[j] >> s & 1) == 0) {
+      note_ramp(*adders.of[s], e.start[s][j], e.step[s][j], e.increment[s][j], e.end[j] - e.first[j] - 1,
                 statistics);
     }
   }

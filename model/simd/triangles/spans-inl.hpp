@@ -124,6 +124,17 @@ void trace_rows(const EdgeWalkStage& stage, const Columns<RowRecord>& rows, cons
 // Lanes past a column's end hold what its last row holds: numbers that the formats allow.
 HWY_INLINE void pad(std::int64_t* column, std::size_t n) { Lanes(column[n - 1]).store(column + n); }
 
+// A channel on the first pixels of rows i and up; sequence: of its accumulators.
+HWY_NOINLINE LineStart<Lanes> start_channel(const ChannelForm& form, const LengthForm& length,
+                                            const SpanStart<Lanes>& row, const RowColumns& columns,
+                                            std::size_t sequence, std::size_t i) {
+  constexpr NoObserve watch;
+  const auto kept = [&](const RowColumns::Side& side) HWY_ATTR {
+    return narrowed<Lanes>(form.at_edge, Lanes::load(side.sequence[sequence] + i), watch);
+  };
+  return start_line(form.row, length, row, kept(columns.left), kept(columns.right), watch);
+}
+
 // Rows to spans; rows that have no pixel are dropped.
 template <class Observer>
 HWY_NOINLINE void finish_rows(const Stages& stages, const RowColumns& columns, std::size_t n,
@@ -135,14 +146,19 @@ HWY_NOINLINE void finish_rows(const Stages& stages, const RowColumns& columns, s
   Columns<RowRecord>& rows = batch.rows;
   pad(columns.triangle, n);
   pad(columns.y, n);
+  const std::size_t in_use = stages.channels.in_use.size();
   for (const RowColumns::Side* side : {&columns.left, &columns.right}) {
-    for (std::int64_t* sequence : side->sequence) pad(sequence, n);
+    for (std::size_t s = 0; s < EdgeGroup::sequences + in_use; ++s) pad(side->sequence[s], n);
     for (std::int64_t* constant : side->constant) {
       if (constant != nullptr) pad(constant, n);
     }
   }
   if (spans.size + n > spans.capacity()) spans.reserve(std::max(2 * spans.capacity(), spans.size + n));
   const std::size_t had = spans.size;
+  for (std::size_t c = 0; c < in_use; ++c) {
+    batch.channels[c].size = had;
+    batch.channels[c].reserve(spans.capacity());
+  }
   std::size_t to = had;
   std::uint64_t lengths = 0;
   for (std::size_t i = 0; i < n; i += lane_count) {
@@ -192,6 +208,13 @@ HWY_NOINLINE void finish_rows(const Stages& stages, const RowColumns& columns, s
       put(span_starts[c], s.shade[c]);
       put(span_steps0[c], s.shade_step[c]);
     }
+    for (std::size_t c = 0; c < in_use; ++c) {
+      const ChannelForm& form = stages.channels.in_use[c];
+      const LineStart<Lanes> line =
+          start_channel(form, stage.length, s, columns, EdgeGroup::sequences + c, i);
+      pack(line.start).store(batch.channels[c][&SpanChannelRecord::w] + to);
+      pack(line.step).store(batch.channels[c][&SpanChannelRecord::w_step0] + to);
+    }
     if (trace != nullptr) {
       put(&SpanRecord::recip_m, s.recip_m);
       put(&SpanRecord::recip_e, s.recip_e);
@@ -213,7 +236,8 @@ HWY_NOINLINE void finish_rows(const Stages& stages, const RowColumns& columns, s
   }
   spans.size = to;
   counters.rows += to - had;
-  counters.divides_row += lengths * static_cast<std::uint64_t>(divides_of(stage));
+  counters.divides_row +=
+      lengths * (static_cast<std::uint64_t>(divides_of(stage)) + divides_of_row(stages.channels));
   counters.divides_edge += (to - had) * static_cast<std::uint64_t>(walk.divides_per_row);
 }
 
