@@ -207,7 +207,9 @@ class ChainBeside {
       if (!pipeline_.const_depth_rows) take_channel(config_, rtl, own[c]);
     }
     FragmentRecord drawn;
+    const std::int64_t h = pixel_.record.h;
     pixel_.record = model::as_drawn(pipeline_.channels, pixel_.record, &own, drawn);
+    pixel_.line = std::exchange(pixel_.record.h, h);
     if (has_vertex_fog(pipeline_.fog.mode)) pixel_.factor = model::channel_value(own, LineId::fog);
     pixel_.back = state_.stencil_test && model::is_back_face(pipeline_.setup, triangle);
     pixel_stands_ = true;

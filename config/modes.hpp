@@ -745,8 +745,8 @@ constexpr bool has_levels_in_rtl(const Config& config) { return has_lod(config) 
 // rtl/pixel_pipe.sv has every stage behind span that the configuration asks for, in the mode that it asks
 // for.
 constexpr bool pixel_stages_are_in_rtl(const Config& config) {
-  return is_in_rtl(config.depth_code) && !has_own_depth(config.depth_line) && is_in_rtl(config.filter) &&
-         is_in_rtl(config.wrap) && (!has_lod(config) || is_in_rtl(config.lod)) && is_in_rtl(config.fog);
+  return is_in_rtl(config.depth_code) && is_in_rtl(config.filter) && is_in_rtl(config.wrap) &&
+         (!has_lod(config) || is_in_rtl(config.lod)) && is_in_rtl(config.fog);
 }
 
 // ---------------------------------------------------------------- distance

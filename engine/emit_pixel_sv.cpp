@@ -66,6 +66,8 @@ void depth_section(SvWriter& w, const Config& config, const PixelTiming& timing,
   w.integer("DepthLinear", static_cast<int>(DepthCode::linear));
   w.integer("DepthCode", static_cast<int>(config.depth_code));
   w.integer("DepthNearerIsLarger", nearer_is_larger(config.depth_code) ? 1 : 0);
+  w.line("  // The code is of a line that comes with a fragment in the place of h.");
+  w.integer("DepthHasLine", has_own_depth(config.depth_line) ? 1 : 0);
   w.format("DepthZ", config.depth_format());
   w.line("  // Of depth.bias: no bias beyond the largest code does more than that code.");
   w.integer("DepthBiasW", config.depth_bits + 1);

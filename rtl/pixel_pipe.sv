@@ -111,6 +111,7 @@ module pixel_pipe (
     input  logic [bitspan_pixel_pkg::SpanShadeW-1:0] in_b_i,
     input  logic [bitspan_pixel_pkg::SpanShadeW-1:0] in_a_i,
     input  logic [bitspan_pixel_pkg::FogFactorW-1:0] in_factor_i,  // of the fog; read with FogIsGiven
+    input  logic [bitspan_pixel_pkg::SpanHW-1:0] in_line_i,  // what depth takes for h; read with DepthHasLine
     input  logic in_back_i,  // of a back face
     // The depth memory. With DepthIsLate a word holds the stencil value, too; mask tells what is written of it: bit 0 the
     // code, bit 1 the stencil value.
@@ -382,20 +383,23 @@ module pixel_pipe (
   // ---------------------------------------------------------------- the order of the stages
 
   // What stands at a fragment's slot in front of depth, and of texture, and what comes out of them.
-  // Its tag is the slot, and below it the fog's factor where the fragment brings one.
+  // Its tag is the slot; below it h, where what goes the way of h is another line; and the fog's factor where the
+  // fragment brings one.
   localparam int FactorW = bitspan_pixel_pkg::FogFactorW;
-  localparam int TagW = SlotW + ((bitspan_pixel_pkg::FogIsGiven != 0) ? FactorW : 0);
+  localparam int HasLine = bitspan_pixel_pkg::DepthHasLine;
+  localparam int TagHW = (HasLine != 0) ? HW : 0;
+  localparam int TagW = SlotW + TagHW + ((bitspan_pixel_pkg::FogIsGiven != 0) ? FactorW : 0);
   localparam int ShadesW = 2 * UvW + 4 * ShadeW;
   localparam int DepthRestW = TagW + ((Late != 0) ? 1 + 3 * ColorW + AlphaW : ShadesW);
   localparam int TextureRestW = TagW + 2 * CoordW + HW + ((Late != 0) ? 1 : ZW + 1);
   logic [TagW-1:0] in_tag, textured_tag, judged_tag;
   if (bitspan_pixel_pkg::FogIsGiven != 0) begin : gen_factor
-    assign in_tag = {slot_q, in_factor_i};
+    assign in_tag[FactorW-1:0] = in_factor_i;
   end else begin : gen_no_factor
-    assign in_tag = slot_q;
     logic unused;
     assign unused = ^in_factor_i;
   end
+  assign in_tag[TagW-1-:SlotW] = slot_q;
   logic depth_valid, depth_ready, depth_keep;
   logic [2:0] depth_func;
   logic [CoordW-1:0] depth_x, depth_y;
@@ -437,6 +441,21 @@ module pixel_pipe (
   assign fate_valid = judged_valid && (fog_ready || !lives);
   assign fate_write[0] = lives && fate_state[judged_slot];
 
+  // What goes the way of h, and the h of fog.
+  logic [HW-1:0] in_line, fog_h;
+  if (HasLine != 0) begin : gen_line
+    assign in_tag[TagW-SlotW-1-:HW] = in_h_i;
+    assign in_line = in_line_i;
+    assign fog_h = judged_tag[TagW-SlotW-1-:HW];
+    logic unused;
+    assign unused = ^judged_h;
+  end else begin : gen_no_line
+    assign in_line = in_h_i;
+    assign fog_h = judged_h;
+    logic unused;
+    assign unused = ^in_line_i;
+  end
+
   if (Late != 0) begin : gen_late
     assign texture_valid = in_valid_i;
     assign in_ready_o = texture_ready;
@@ -444,7 +463,7 @@ module pixel_pipe (
     assign {texture_u, texture_v, texture_r, texture_g, texture_b, texture_a} = {
       in_u_i, in_v_i, in_r_i, in_g_i, in_b_i, in_a_i
     };
-    assign texture_rest = {in_tag, in_x_i, in_y_i, in_h_i, in_back_i};
+    assign texture_rest = {in_tag, in_x_i, in_y_i, in_line, in_back_i};
 
     assign depth_valid = textured_valid && !killed;
     assign textured_ready = depth_ready || killed;
@@ -507,7 +526,7 @@ module pixel_pipe (
     assign in_ready_o = depth_ready;
     assign depth_x = in_x_i;
     assign depth_y = in_y_i;
-    assign depth_h = in_h_i;
+    assign depth_h = in_line;
     assign depth_func = func_q;
     assign depth_keep = 1'b0;
     assign depth_rest = {in_tag, in_u_i, in_v_i, in_r_i, in_g_i, in_b_i, in_a_i};
@@ -662,7 +681,7 @@ module pixel_pipe (
         .load_data_i(load_k_data_i),
         .in_valid_i(texture_valid),
         .in_ready_o(texture_ready),
-        .in_h_i(texture_rest[TextureRestW-TagW-2*CoordW-1-:HW]),
+        .in_h_i(texture_rest[TextureRestW-((HasLine != 0) ? SlotW : TagW+2*CoordW)-1-:HW]),
         .in_u_i(texture_u),
         .in_v_i(texture_v),
         .in_h_x_i(h_x),
@@ -849,7 +868,7 @@ module pixel_pipe (
       .in_ready_o(fog_ready),
       .in_x_i(judged_x),
       .in_y_i(judged_y),
-      .in_h_i(judged_h),
+      .in_h_i(fog_h),
       .in_r_i(judged_r),
       .in_g_i(judged_g),
       .in_b_i(judged_b),

@@ -28,7 +28,9 @@ class PixelCounter : private ShapeCells {
         shades_(2 * word(F::span_uv) + 4 * word(shade_factor(config))),
         color_(3 * word(F::texture_color)),
         alpha_(word(F::texture_alpha)),
-        tag_(timing_.slot_bits + (has_vertex_fog(config.fog) ? word(F::fog_factor) : 0)),
+        has_line_(has_own_depth(config.depth_line)),
+        tag_(timing_.slot_bits + (has_line_ ? word(F::span_h) : 0) +
+             (has_vertex_fog(config.fog) ? word(F::fog_factor) : 0)),
         mixes_(timing_.has_lod && mixes_levels(config.mip)) {}
   AreaShape count() {
     draw_state();
@@ -50,8 +52,10 @@ class PixelCounter : private ShapeCells {
     return tag_ + coordinates_ + (late_ ? h_of_depth() + 1 : h_of_fog() + c_.depth_bits + 1);
   }
 
-  // Bits of h that fog reads, and the stages behind depth, and those from depth on.
+  // Bits of h that fog reads, and the stages behind depth, and those from depth on. Where depth has a line of
+  // its own, h is in the tag, and the line goes this way.
   int h_of_fog() const {
+    if (has_line_) return 0;
     const Format& h = format(F::span_h);
     const int unread = h.fraction() + c_.depth_bits - c_.fog_depth_bits;
     return is_linear_in_distance(c_.fog) ? h.word
@@ -64,7 +68,8 @@ class PixelCounter : private ShapeCells {
                     some_of_h(unread_bits(h.fraction(), c_.depth_format()), late_ ? 1 : c_.depth_bits + 1));
   }
   int h_behind_depth() const {
-    return !late_ && timing_.has_lod && takes_pixel_reciprocal(c_.lod) ? word(F::span_h) : h_of_fog();
+    const bool is_of_lod = !late_ && timing_.has_lod && takes_pixel_reciprocal(c_.lod);
+    return is_of_lod && !has_line_ ? word(F::span_h) : h_of_fog();
   }
   // The lowest bits are not read. A memory holds some bits together, and keeps those beside bits that are
   // read. `at` is the place of h in the memory.
@@ -657,8 +662,9 @@ class PixelCounter : private ShapeCells {
   int shades_;       // u, v and the shades
   int color_;        // three of texture.color
   int alpha_;
-  int tag_;     // the slot of the draw state, and the factor of the fog at a vertex
-  bool mixes_;  // two levels of a texture
+  bool has_line_;  // depth takes a line of its own for h
+  int tag_;        // the slot of the draw state, that h, and the factor of the fog at a vertex
+  bool mixes_;     // two levels of a texture
 };
 
 }  // namespace

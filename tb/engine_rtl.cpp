@@ -204,7 +204,8 @@ class RtlEngine final : public Engine {
           FragmentRecord own;
           const FragmentRecord& drawn =
               model::as_drawn(run_.pipeline.channels, f, channels_.empty() ? nullptr : &channels_[i], own);
-          covered_.push_back({drawn, std::max(surface.texture, -1), surface.back, gradient, factor});
+          covered_.push_back({drawn, std::max(surface.texture, -1), surface.back, gradient, factor, drawn.h});
+          covered_.back().record.h = f.h;
         } else {
           ++run_.counters.masked;
         }

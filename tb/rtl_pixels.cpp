@@ -66,7 +66,8 @@ std::uint64_t packed(const std::array<std::uint8_t, 3>& color) {
 }  // namespace
 
 StageDesign pixel_pipe_design(const Config& config, DepthWhen when) {
-  const std::vector<std::string> of_fragment{"x", "y", "h", "u", "v", "r", "g", "b", "a", "factor", "back"};
+  const std::vector<std::string> of_fragment{"x", "y", "h", "u",      "v",    "r",
+                                             "g", "b", "a", "factor", "line", "back"};
   StageDesign d{
       .name = config.name,
       .top = "pixel_pipe",
@@ -294,7 +295,8 @@ StageValues draw_values(const Config& config, const RtlDraw& s) {
   return values;
 }
 
-StageValues fragment_values(const Config& config, const FragmentRecord& f, bool back, std::int64_t factor) {
+StageValues fragment_values(const Config& config, const FragmentRecord& f, bool back, std::int64_t factor,
+                            std::optional<std::int64_t> line) {
   const auto port = [&config](std::int64_t raw, FormatId id) {
     return Rtl::to_port(raw, config.format(id).word);
   };
@@ -308,6 +310,7 @@ StageValues fragment_values(const Config& config, const FragmentRecord& f, bool 
           port(f.b, shade_factor(config)),
           port(f.a, shade_factor(config)),
           port(factor, FormatId::fog_factor),
+          port(line.value_or(f.h), FormatId::span_h),
           std::uint64_t{back}};
 }
 
@@ -538,6 +541,10 @@ struct RtlPixels::Pipe {
       textured_draws.push_back(draw_values(config, state));
     }
     drawn = {};
+  }
+
+  StageValues values_of(const Fragment& f) const {
+    return fragment_values(config, f.record, f.back, f.factor, f.line);
   }
 
   // The draw state of a fragment, at the port.
@@ -771,7 +778,7 @@ struct RtlPixels::Pipe {
     inputs[in.valid] = drive.in_valid ? 1 : 0;
     if (offered != nullptr) {
       put_draw(*offered);
-      put(in, fragment_values(config, offered->record, offered->back, offered->factor));
+      put(in, values_of(*offered));
     }
     const auto all = answers();
     for (std::size_t p = 0; p < all.size(); ++p) {
@@ -828,7 +835,7 @@ struct RtlPixels::Pipe {
       if (draws_first) {
         put_draw(sent[next]);
       } else if (sends && shown != next) {
-        put(in, fragment_values(config, sent[next].record, sent[next].back, sent[next].factor));
+        put(in, values_of(sent[next]));
         shown = next;
       }
       bool moved = clock();

@@ -86,8 +86,9 @@ struct RtlDraw {
 std::uint64_t fog_number(FogMode mode);
 // On the channels `draw` and `in`; factor: of the fog, where it comes with a fragment.
 StageValues draw_values(const Config& config, const RtlDraw& state);
+// line: what depth takes in the place of h, where it comes with a fragment.
 StageValues fragment_values(const Config& config, const FragmentRecord& fragment, bool back = false,
-                            std::int64_t factor = 0);
+                            std::int64_t factor = 0, std::optional<std::int64_t> line = {});
 
 // What the constants of the design hold, in its order, while nothing is loaded.
 StageValues frame_values(const Config& config, const ConstantsRecord& constants, const Scene& scene,
@@ -126,6 +127,7 @@ class RtlPixels {
     bool back = false;                         // of a back face
     const GradientRecord* gradient = nullptr;  // of its triangle, where lod takes it
     std::int64_t factor = 0;                   // of the fog, where it comes with the fragment
+    std::optional<std::int64_t> line{};        // what depth takes in the place of h
   };
   // Sends the fragments, in order, until all have left, and runs on until the stages must be empty. Appends
   // the records of the stages to the trace, where there is one, also those that no fragment asked for.

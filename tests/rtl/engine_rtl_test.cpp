@@ -155,11 +155,16 @@ TEST(EngineRtl, InterpolatesAChannel) {
   }
 }
 
-// The factor beside levels of textures, first with early tests, then with late ones.
-TEST(EngineRtl, TakesAFactorThroughEveryOrderOfStages) {
+// The factor and a depth of its own beside levels of textures, first with early tests, then with late ones.
+TEST(EngineRtl, TakesChannelsThroughEveryOrderOfStages) {
   Config c = level_configs()[2];
   c.fog = FogMode::vertex;
+  c.depth_line = DepthLine::z;
   Scene scene = random_scene(5, 120, powers_of_two);
+  Random random(8);
+  for (std::size_t i = 0; i < scene.triangles.size(); i += 2) {
+    for (Vertex& v : scene.triangles[i].v) v.z = std::uniform_real_distribution<double>(0, 1)(random);
+  }
   const auto late = static_cast<std::int64_t>(DepthWhen::late);
   scene.commands.push_back({60, StateChange{false, {{*find_state_register("depth.when"), late}}}});
   ASSERT_TRUE(rtl_draws_pixels(c, scene));

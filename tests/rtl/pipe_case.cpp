@@ -102,6 +102,8 @@ PipeCase make_pipe_case(const Config& c, const Scene& given, DepthWhen when) {
   std::map<std::int64_t, GradientRecord> gradients;  // by triangle, where lod takes them
   for (const GradientRecord& g : trace.gradient) gradients[g.triangle] = g;
   std::int64_t before = -1;
+  const std::size_t in_use =
+      trace.fragment.empty() ? 0 : trace.fragment_channel.size() / trace.fragment.size();
   for (std::size_t i = 0; i < trace.fragment.size(); ++i) {
     const FragmentRecord& f = trace.fragment[i];
     if (f.covered == 0) continue;
@@ -126,8 +128,11 @@ PipeCase make_pipe_case(const Config& c, const Scene& given, DepthWhen when) {
       if (p.batches.empty() || p.batches.back().draw != draw) p.batches.push_back({draw, {}});
       before = f.triangle;
     }
-    const std::int64_t factor = has_vertex_fog(p.fog.mode) ? trace.fragment_channel[i].w : 0;
-    p.batches.back().fragments.push_back(fragment_values(c, f, back, factor));
+    model::FragmentChannels channels{};
+    for (std::size_t k = 0; k < in_use; ++k) channels[k] = trace.fragment_channel[in_use * i + k];
+    const std::int64_t factor = has_vertex_fog(p.fog.mode) ? model::channel_value(channels, LineId::fog) : 0;
+    const std::int64_t line = has_own_depth(c.depth_line) ? model::channel_value(channels, LineId::z) : f.h;
+    p.batches.back().fragments.push_back(fragment_values(c, f, back, factor, line));
   }
   const auto add = [&](const char* tap, const auto& records) {
     for (const auto& r : records) p.records[tap].push_back(record_ports(c, r));
@@ -337,7 +342,11 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
       const bool back = random() % 2 == 0;
       model::FragmentChannels channels{};
       if (has_vertex_fog(c.fog)) channels[0].w = random_raw(random, c.format(FormatId::fog_factor));
-      p.batches.back().fragments.push_back(fragment_values(c, f, back, channels[0].w));
+      FragmentRecord judged = f;  // by depth
+      if (has_own_depth(c.depth_line)) {
+        judged.h = random_value(random, c.format(FormatId::span_h), has_levels);
+      }
+      p.batches.back().fragments.push_back(fragment_values(c, f, back, channels[0].w, judged.h));
       const std::size_t at = pixel_of(p.frame, f);
       DepthRecord d;
       TextureRecord t;
@@ -359,7 +368,7 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
         return is_alive;
       };
       const auto passes = [&] {
-        bool pass = model::depth(depth, f, nullptr, p.frame.depth[at], d);
+        bool pass = model::depth(depth, judged, nullptr, p.frame.depth[at], d);
         p.records["depth_record"].push_back(record_ports(c, d));
         if (!stencil.test) return pass;
         StencilRecord r;

@@ -73,16 +73,21 @@ TEST(PixelPipe, TheDemoWithLevels) {
   }
 }
 
-// A factor of the fog with every fragment, beside what lod takes of it.
-Config factor_config() {
+// A factor of the fog and a line for depth with every fragment, beside what lod takes of it.
+Config channel_config() {
   Config c = level_configs()[2];
   c.fog = FogMode::vertex;
+  c.depth_line = DepthLine::z;
   return c;
 }
 
-TEST(PixelPipe, FactorsThatComeWithFragments) {
-  const Config c = factor_config();
-  const Scene scene = demo_scene(96, 72);
+TEST(PixelPipe, WhatComesWithFragments) {
+  const Config c = channel_config();
+  Scene scene = demo_scene(96, 72);
+  Random depths(11);
+  for (std::size_t i = 0; i < scene.triangles.size(); i += 2) {
+    for (Vertex& v : scene.triangles[i].v) v.z = std::uniform_real_distribution<double>(0, 1)(depths);
+  }
   for (const DepthWhen when : {DepthWhen::early, DepthWhen::late}) {
     SCOPED_TRACE(to_string(when));
     const PipeCase demo = make_pipe_case(c, scene, when);
@@ -283,6 +288,7 @@ const ToolCase tool_cases[] = {
      [] {
        Config c = level_configs()[1];
        c.fog = FogMode::vertex;
+       c.depth_line = DepthLine::z;
        return c;
      }},
     {"Random", [] { return random_stage_config(100 + stage_seeds(1)[0]); }},
@@ -376,14 +382,16 @@ TEST(PixelPipe, PlantedBugsAreSeenWithLateTests) {
   });
 }
 
-TEST(PixelPipe, PlantedBugsOfFactorsAreSeen) {
+TEST(PixelPipe, PlantedBugsOfWhatComesWithFragmentsAreSeen) {
   constexpr PlantedBug early[] = {
       {"rtl/pixel_pipe.sv", ".in_factor_i(FactorW'(judged_tag))", ".in_factor_i(FactorW'(in_tag))"},
       {"rtl/pixel_pipe.sv", ".in_factor_i(FactorW'(judged_tag))",
        ".in_factor_i(judged_tag[TagW-1-:FactorW])"},
-      {"rtl/pixel_pipe.sv", "in_tag = {slot_q, in_factor_i};", "in_tag = {slot_q, in_factor_i >> 1};"},
-      {"rtl/pixel_pipe.sv", "texture_rest[TextureRestW-TagW-2*CoordW-1-:HW]",
-       "texture_rest[TextureRestW-SlotW-2*CoordW-1-:HW]"},
+      {"rtl/pixel_pipe.sv", "in_tag[FactorW-1:0] = in_factor_i;", "in_tag[FactorW-1:0] = in_factor_i >> 1;"},
+      {"rtl/pixel_pipe.sv", "assign in_line = in_line_i;", "assign in_line = in_h_i;"},
+      {"rtl/pixel_pipe.sv", "assign in_tag[TagW-SlotW-1-:HW] = in_h_i;",
+       "assign in_tag[TagW-SlotW-1-:HW] = in_line_i;"},
+      {"rtl/pixel_pipe.sv", "((HasLine != 0) ? SlotW : TagW+2*CoordW)", "(TagW+2*CoordW)"},
   };
   constexpr PlantedBug late[] = {
       {"rtl/pixel_pipe.sv", "      textured_tag, textured_rest[0],", "      in_tag, textured_rest[0],"},
@@ -392,7 +400,7 @@ TEST(PixelPipe, PlantedBugsOfFactorsAreSeen) {
   };
   const auto seen = [](std::span<const PlantedBug> bugs, DepthWhen when) {
     Random random(5);
-    const PipeCase p = random_pipe_case(random, factor_config(), 400, {}, when);
+    const PipeCase p = random_pipe_case(random, channel_config(), 400, {}, when);
     const auto run = [&] { run_pipe(p, {0.1, {0.2, 0.3}, {1, 25}, 5}); };
     run();
     expect_seen(bugs, run);
