@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "cli/commands.hpp"
-#include "cli/oracles.hpp"
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
 #include "config/store.hpp"
@@ -24,6 +23,7 @@
 #include "report/lockstep.hpp"
 #include "report/table.hpp"
 #include "report/upstream.hpp"
+#include "study/oracles.hpp"
 
 namespace bitspan {
 namespace {

@@ -10,12 +10,12 @@
 
 #include "cli/cycles.hpp"
 #include "cli/failing_case.hpp"
-#include "cli/oracles.hpp"
 #include "cli/progress.hpp"
 #include "config/modes.hpp"
 #include "engine/stages.hpp"
 #include "report/metrics.hpp"
 #include "report/table.hpp"
+#include "study/oracles.hpp"
 
 namespace bitspan {
 

@@ -32,6 +32,9 @@ enum Row {
   row_span_v,
   row_span_shade,
   row_depth_z,
+  row_project_s,
+  row_project_t,
+  row_project_z,
   row_texture_color,
   row_fog_factor,
   row_fog_color,
@@ -55,6 +58,9 @@ constexpr std::array<FieldQuantity, row_count> quantities{{
     {"span", "v", "texel"},
     {"span", "shade", "1"},
     {"depth", "z", "depth code"},
+    {"project", "s", "texel"},
+    {"project", "t", "texel"},
+    {"project", "z", "depth code"},
     {"texture", "colour", "colour code"},
     {"fog", "factor", "1"},
     {"fog", "colour", "colour code"},
@@ -103,7 +109,7 @@ std::optional<double> projected_value(std::string_view name, const Config& confi
   if (name == "s") return at->s;
   if (name == "t") return at->t;
   if (name == "h") return at->h;
-  if (name == "z") return at->z;
+  if (name == "z") return std::clamp(at->z, 0.0, std::ldexp(1.0, config.depth_bits) - 1);
   if (name != "ratio") return std::nullopt;
   int exponent = 0;  // s_max <= 2^exponent
   if (std::frexp(scene.projector->s_max, &exponent) == 0.5) --exponent;
@@ -304,6 +310,9 @@ ErrorMeter::ErrorMeter(const Config& config, const Scene& scene) : config_(confi
                                                         F::span_uv,
                                                         shade_factor(config),
                                                         {},
+                                                        F::span_uv,
+                                                        F::span_uv,
+                                                        {},
                                                         F::texture_color,
                                                         F::fog_factor,
                                                         F::fog_color,
@@ -378,6 +387,7 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
   std::size_t row = 0;
   std::size_t fragment = 0;
   std::size_t depth = 0;
+  std::size_t project = 0;
   std::size_t texture = 0;
   std::size_t fog = 0;
   // Records stand in the order of the triangles, so there is one cursor per type.
@@ -440,6 +450,17 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
     for (; depth < trace.depth.size() && trace.depth[depth].triangle == index; ++depth) {
       const DepthRecord& r = trace.depth[depth];
       note(row_depth_z, r.z, ideal_stored_code(config_, truth.at(n, r.x, r.y), depth_bias_));
+    }
+    for (; project < trace.project.size() && trace.project[project].triangle == index; ++project) {
+      const ProjectRecord& r = trace.project[project];
+      if (r.inside == 0) continue;  // nothing is looked up there
+      const auto at = [&](std::string_view name) {
+        return projected_value(name, config_, *scene_, truth.at(n, r.x, r.y).point);
+      };
+      if (!at("s")) continue;
+      note(row_project_s, r.s, *at("s"));
+      note(row_project_t, r.t, *at("t"));
+      note(row_project_z, r.z, *at("z"));
     }
     for (; texture < trace.texture.size() && trace.texture[texture].triangle == index; ++texture) {
       const TextureRecord& r = trace.texture[texture];

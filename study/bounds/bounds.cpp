@@ -75,6 +75,20 @@ void check_modes(const Config& config) {
   if (!is_bounded(config.depth_code)) refuse("depth.code", to_string(config.depth_code), "inverse, opengl");
 }
 
+// The bounds are of one view, and of the line h.
+void check_scene(const Config& config, const Scene& scene) {
+  if (changes_scene(scene.commands)) {
+    throw InputError(scene.name + ": no bound is known for a scene whose view a command changes");
+  }
+  if (has_own_depth(config.depth_line) && std::ranges::any_of(scene.triangles, [](const Triangle& t) {
+        return std::ranges::any_of(t.v, [](const Vertex& v) { return v.z >= 0; });
+      })) {
+    throw InputError(
+        fmt::format("depth.line: no bound is known for {} where vertices give it; legal for bounds: {}",
+                    to_string(DepthLine::z), to_string(DepthLine::h)));
+  }
+}
+
 void check_range(const InputRange& r) {
   const auto refuse = [](const char* name, const std::string& text) {
     throw InputError(fmt::format("input range: {}: {}", name, text));
@@ -96,6 +110,20 @@ void check_range(const InputRange& r) {
   for (const double g :
        {r.shortest_edge, r.shortest_row, r.longest_row, r.inverse_s_gradient, r.u_gradient, r.v_gradient}) {
     if (!(g >= 0)) refuse("shortest_edge, gradients", "legal: 0 and more");
+  }
+  if (!r.projected) return;
+  const ProjectedRange& p = *r.projected;
+  if (!(std::isfinite(p.s_max) && p.s_min > 0 && p.s_min < p.s_max)) {
+    refuse("projected.s_min, s_max", "legal: finite, 0 < s_min < s_max");
+  }
+  for (const auto* three : {&p.xyw, &p.over_s, &p.place}) {
+    for (const Interval i : *three) interval("projected", i);
+  }
+  if (!(p.xyw[2].lo > 0 && p.over_s[2].lo > 0)) refuse("projected.xyw", "legal: W above 0");
+  for (const auto* three : {&p.over_s_gradient, &p.place_gradient}) {
+    for (const double g : *three) {
+      if (!(g >= 0)) refuse("projected, gradients", "legal: 0 and more");
+    }
   }
 }
 
@@ -125,6 +153,7 @@ std::function<double(const InputRange&)> edge_position_error(const Config& confi
 
 std::vector<Bound> error_bounds(const Config& config, const Scene& scene) {
   check_modes(config);
+  check_scene(config, scene);
   std::vector<InputRange> triangles = triangle_ranges(config, scene);
   if (triangles.empty()) triangles.push_back(input_range(config, scene));
   ErrorAnalysis analysis(config);
@@ -148,6 +177,7 @@ std::vector<Bound> error_bounds(const Config& config, const Scene& scene) {
 
 std::vector<double> stored_depth_bounds(const Config& config, const Scene& scene) {
   check_modes(config);
+  check_scene(config, scene);
   ErrorAnalysis analysis(config);
   std::vector<double> out;
   for (const std::optional<InputRange>& range : ranges_of_triangles(config, scene)) {

@@ -12,49 +12,53 @@ namespace bitspan::bounds {
 
 using F = FormatId;
 
-void ErrorAnalysis::constants() {
-  int e = 0;
-  if (std::frexp(in_.s_max, &e) == 0.5) --e;
-  exponent_ = e;
+DepthRange ErrorAnalysis::depth_range(double s_min, double s_max) const {
+  DepthRange out;
+  if (std::frexp(s_max, &out.exponent) == 0.5) --out.exponent;
   const Format& s = format(F::setup_s);
-  const double near = std::ldexp(in_.s_min, -e);
-  const double far = std::ldexp(in_.s_max, -e);
+  const double near = std::ldexp(s_min, -out.exponent);
+  const double far = std::ldexp(s_max, -out.exponent);
   if (!saturates(s) && far > values(s).hi) {
     throw InputError("formats.setup.s: too narrow for s_max; no bound is known for what wraps there");
   }
-  s_near_ = quantised(near, s);
+  out.s_near = quantised(near, s);
   const double s_far = quantised(far, s);
-  if (!(s_near_ > 0 && s_near_ < s_far)) {
+  if (!(out.s_near > 0 && out.s_near < s_far)) {
     throw InputError("formats.setup.s: too coarse for s_min and s_max; legal: 0 < s_min' < s_max'");
   }
-  hmax_ = std::ldexp(1.0, c_.depth_bits) - 1;
-  const Interval b = Interval(hmax_) * s_near_ / (Interval(s_far) - s_near_);
+  out.far = s_far;
+  const Interval b = Interval(hmax_) * out.s_near / (Interval(s_far) - out.s_near);
   const Format& b_format = format(F::setup_b);
   if (!saturates(b_format) && (b + rounding(b_format)).hi > values(b_format).hi) {
     throw InputError("formats.setup.b: too narrow for B; no bound is known for what wraps there");
   }
-  b_ = quantised(b, b_format);
-  if (!(b_.lo > 0)) throw InputError("formats.setup.b: too coarse for the s range; legal: B > 0");
-  const Interval ideal_b = Interval(hmax_) * in_.s_min / (Interval(in_.s_max) - in_.s_min);
-  scale_ = b_ / ideal_b * (Interval(s_far) / far);
+  out.b = quantised(b, b_format);
+  if (!(out.b.lo > 0)) throw InputError("formats.setup.b: too coarse for the s range; legal: B > 0");
+  out.ideal_b = Interval(hmax_) * s_min / (Interval(s_max) - s_min);
+  out.far_scale = Interval(s_far) / far;
+  return out;
+}
+
+void ErrorAnalysis::constants() {
+  hmax_ = std::ldexp(1.0, c_.depth_bits) - 1;
+  view_ = depth_range(in_.s_min, in_.s_max);
+  scale_ = view_.b / view_.ideal_b * view_.far_scale;
   const Interval nearness = Interval(in_.s_max) / in_.s;  // q = ideal_b nearness
-  ideal_q_ = ideal_b * nearness;
+  ideal_q_ = view_.ideal_b * nearness;
   q_ = scale_ * ideal_q_;
-  h_ = Interval(b_ * (Interval(s_far) / far) * nearness) - b_;
-  ideal_b_ = ideal_b;
-  far_scale_ = Interval(s_far) / far;
+  h_ = Interval(view_.b * view_.far_scale * nearness) - view_.b;
   drift_ = drift_over(0);
   ErrorSum error;
-  error.add("setup.b", b_ - ideal_b);
-  deliver(setup_b, error, ideal_b.hi);
+  error.add("setup.b", view_.b - view_.ideal_b);
+  deliver(setup_b, error, view_.ideal_b.hi);
   gradients();
 }
 
 Interval ErrorAnalysis::drift_over(double beyond) const {
   const auto at = [this](Interval nearness) {
-    return (b_ - ideal_b_) * (nearness - 1) + b_ * nearness * (far_scale_ - 1);
+    return (view_.b - view_.ideal_b) * (nearness - 1) + view_.b * nearness * (view_.far_scale - 1);
   };
-  const Interval out = Interval(beyond) / (b_ * far_scale_);
+  const Interval out = Interval(beyond) / (view_.b * view_.far_scale);
   return hull(at(Interval(in_.s_max) / in_.s.hi - out), at(Interval(in_.s_max) / in_.s.lo + out));
 }
 
@@ -66,7 +70,7 @@ void ErrorAnalysis::gradients() {
   const Interval per_area = std::ldexp(1.0, 2 * c_.subpixel_bits);
   const Interval steepest = (inverse.hi - Interval(inverse.lo)) * tallest * per_area;
   const double gradient = std::min(in_.inverse_s_gradient, steepest.hi);
-  h_gradient_ = (hull(scale_, 1) * ideal_b_ * in_.s_max * gradient).hi;
+  h_gradient_ = (hull(scale_, 1) * view_.ideal_b * in_.s_max * gradient).hi;
   const auto coordinate = [&](Interval range, double known) {
     const Interval worst = Interval(2) * tallest * per_area * (Interval(range.hi) - range.lo) *
                            square(Interval(inverse.hi)) / square(Interval(inverse.lo));

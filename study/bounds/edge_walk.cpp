@@ -22,6 +22,7 @@ void ErrorAnalysis::edge() {
   const double distance = std::max(0.0, next_up(std::min(in_.y.hi, in_.height - 0.5) - in_.y.lo));
   const int additions = static_cast<int>(std::min<double>(in_.height - 1, std::floor(distance)));
   const Slopes slopes{c_.edge_slope, edge_.error({std::min(shortest, tall), tall}), std::min(shortest, tall)};
+  edge_way_ = {slopes, t_grid, distance, additions};
   out_.worst.edge_distance = distance;
   out_.worst.rows = additions;
 
@@ -62,6 +63,7 @@ void ErrorAnalysis::edge() {
   if (!overflow(h_walk, h, F::edge_h_acc, line_h, additions + 1)) kept.any = true;
   h_walk.add("edge.h", narrowing);
   if (!settle(h_walk, kept_h, line_h)) kept.any = true;
+  walked_h_ = h_walk;
   const Interval line_q = positive(q_ + vertex_h_.total());
   const Interval kept_range = values(kept_h);
   const Interval h_range(kept_range.lo,
@@ -103,7 +105,7 @@ void ErrorAnalysis::edge() {
     const bool finite =
         add_quotient(e, {"h of the edge walk", "reciprocal.edge", change, f, f_error, q, unit});
     e.add("edge.uv", rounding(format(F::edge_uv)));
-    finish_uv(e, finite, format(F::edge_uv), uv);
+    finish_quotient(e, finite, format(F::edge_uv), uv);
     edge_uv_[i] = e;
     deliver(i == 0 ? edge_u : edge_v, e, uv.mag());
   }

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "config/modes.hpp"
 #include "study/bounds/format_range.hpp"
 
 namespace bitspan::bounds {
@@ -16,11 +17,13 @@ using F = FormatId;
 PlaceErrors ErrorAnalysis::run(const InputRange& in) {
   in_ = in;
   out_ = {};
+  walked_h_ = {};
   constants();
   setup();
   if (in_.covers) {
     edge();
     span();
+    if (has_project(c_.project)) project();
   }
   return out_;
 }
@@ -76,9 +79,9 @@ ErrorAnalysis::Divided ErrorAnalysis::divided(Interval q, const WalkError& walk,
   // is stopped from above may fall further on its way, by as much as it is short.
   const Interval small = walk.small.total();
   const bool stopped =
-      walk.any || next_up(next_up(q.hi + small.hi) + walk.overshoot) > next_down(b_.lo + range.hi);
+      walk.any || next_up(next_up(q.hi + small.hi) + walk.overshoot) > next_down(view_.b.lo + range.hi);
   const double between = stopped ? 0 : next_down(next_down(q.lo + small.lo) - walk.overshoot);
-  const double least = std::max(between, next_down(b_.lo + range.lo));
+  const double least = std::max(between, next_down(view_.b.lo + range.lo));
   if (!(least > 0)) {
     out.none = true;
     return out;
@@ -137,7 +140,7 @@ Interval ErrorAnalysis::positive(Interval q) {
   return {std::max(q.lo, std::numeric_limits<double>::min()), q.hi};
 }
 
-void ErrorAnalysis::finish_uv(ErrorSum& e, bool finite, const Format& f, Interval truth) {
+void ErrorAnalysis::finish_quotient(ErrorSum& e, bool finite, const Format& f, Interval truth) {
   if (!finite) {
     e.replace("range of the register", values(f) - truth);
     return;

@@ -29,6 +29,23 @@ struct Coordinate {
   double gradient;
 };
 
+// B of a view's or of a projector's range, and what its roundings do.
+struct DepthRange {
+  int exponent = 0;     // E
+  double s_near = 0;    // s_min'
+  Interval b, ideal_b;  // as the register may hold it, and exactly
+  Interval far;         // s_max', in units of 2^E
+  Interval far_scale;   // s_max' over the exact one
+};
+
+// Along an edge, or along a row.
+struct Way {
+  Slopes slopes;
+  int position_grid = 0;  // fraction bits of what has been walked
+  double distance = 0;    // walked, at most, pixels
+  int additions = 0;      // at most
+};
+
 class ErrorAnalysis {
  public:
   explicit ErrorAnalysis(const Config& config)
@@ -46,6 +63,8 @@ class ErrorAnalysis {
   // range.
   void deliver(Place p, ErrorSum e, FormatId id, Interval truth);
   void deliver(Place p, ErrorSum e, double largest, bool unbounded = false);
+  // Throws InputError where the formats are too narrow or too coarse for the range.
+  DepthRange depth_range(double s_min, double s_max) const;
   // Finds B and scale_. scale_ is q, as the registers would hold it without further rounding, divided by
   // ideal's h + B.
   void constants();
@@ -90,7 +109,7 @@ class ErrorAnalysis {
   void edge();
   static Interval positive(Interval q);
   // Ends e. Where nothing finite is known before the register, the range of the register is the error.
-  static void finish_uv(ErrorSum& e, bool finite, const Format& f, Interval truth);
+  static void finish_quotient(ErrorSum& e, bool finite, const Format& f, Interval truth);
   void edge_position(int t_grid, double distance, int additions, const Slopes& slopes);
   // Returns the error of a walk along a line whose ends are `change` apart.
   ErrorSum line_error(const WalkError& w, double change, std::string_view unit);
@@ -111,17 +130,32 @@ class ErrorAnalysis {
                        double away, double wide, Interval centre_q);
   // `beyond` is how far outside 0..hmax the truth may be.
   void depth_places(const ErrorSum& h, double beyond);
+  // Returns the error of the stored code from that of h in the register `from`. truth: of h.
+  ErrorSum stored_code(const ErrorSum& h, FormatId from, Interval truth) const;
+  // A line of the projector: X, Y or W times h + B.
+  struct ProjectedLine {
+    Interval exact;       // of the surface
+    double gradient = 0;  // of that, per pixel of a row
+    Interval line;        // between the vertices, as their registers of h weigh it
+    ErrorSum error;       // what the line's own registers add at a pixel
+  };
+  // j: X, Y or W. exponent: of the projector. ends: relative error of q at the vertices.
+  ProjectedLine projected_line(std::size_t j, const ProjectedRange& p, int exponent, Interval ends);
+  void project();
   Config c_;
   Unit pixel_, row_, edge_;
   InputRange in_;
   PlaceErrors out_;
-  int exponent_ = 0;
-  double hmax_ = 0, s_near_ = 0;
-  Interval b_, ideal_b_, far_scale_, scale_, ideal_q_, q_, h_, drift_, s_error_;
+  double hmax_ = 0;
+  DepthRange view_;
+  Interval scale_, ideal_q_, q_, h_, drift_, s_error_;
   double h_gradient_ = 0;
   bool x_any_ = false;
+  Way edge_way_, row_way_;
+  double row_width_ = 0;  // of a covered row, at most, pixels
   std::array<Coordinate, 2> uv_{};
   ErrorSum vertex_h_, edge_h_, position_;
+  ErrorSum walked_h_;  // of h in span, against the line through the vertices' registers
   std::array<ErrorSum, 2> vertex_uv_, edge_uv_;
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <span>
 
 #include "config/modes.hpp"
 #include "study/bounds/bounds.hpp"
@@ -22,6 +23,7 @@ struct Corner {
   __int128 x, y;  // in 2^-subpixel_bits pixel
   double s;
   std::array<double, 2> uv;
+  std::array<double, 3> xyw;  // of the projector
 };
 
 Interval real(__int128 x) {
@@ -66,31 +68,40 @@ Crossing crossing(const Corner& a, const Corner& b, __int128 y) {
   return {2 * a.x * d + (b.x - a.x) * (y - 2 * a.y), d};
 }
 
-// Quantities that are linear on the screen, given by their values at the corners.
+// Coordinates over a triangle in perspective, by what is linear on the screen.
 struct Surface {
-  std::array<Interval, 3> inverse;           // 1/s
-  Interval inverse_x;                        // its change per pixel to the right
-  std::array<std::array<Interval, 3>, 2> n;  // du/dx = N s^2, dv/dx the same; N is constant along a row
+  std::array<Interval, 3> inverse{};            // 1/s at the corners
+  Interval inverse_x;                           // its change per pixel to the right
+  std::vector<std::array<Interval, 3>> n = {};  // per coordinate u: du/dx = N s^2; N is constant along a row
+  double least_inverse() const { return std::min({inverse[0].lo, inverse[1].lo, inverse[2].lo}); }
 };
 
-Surface surface_of(const std::array<Corner, 3>& v, __int128 area, double unit) {
-  Surface out;
-  // d/dx of w is the sum of w_i (y_i+1 - y_i+2) / area, where the heights sum up to 0.
-  std::array<Interval, 3> weight;
+// d/dx of w is the sum of w_i (y_i+1 - y_i+2) / area, where the heights sum up to 0.
+std::array<Interval, 3> weights_of_gradient(const std::array<Corner, 3>& v, __int128 area, double unit) {
+  std::array<Interval, 3> out;
   for (std::size_t i = 0; i < 3; ++i) {
-    weight[i] = real(v[(i + 1) % 3].y - v[(i + 2) % 3].y) / (real(area) * unit);
-    out.inverse[i] = Interval(1) / v[i].s;
+    out[i] = real(v[(i + 1) % 3].y - v[(i + 2) % 3].y) / (real(area) * unit);
   }
-  out.inverse_x =
-      weight[1] * (out.inverse[1] - out.inverse[0]) + weight[2] * (out.inverse[2] - out.inverse[0]);
+  return out;
+}
+Interval gradient_of(const std::array<Interval, 3>& values, const std::array<Interval, 3>& weight) {
+  return weight[1] * (values[1] - values[0]) + weight[2] * (values[2] - values[0]);
+}
+
+// coordinates: each at the corners.
+Surface surface_of(const std::array<Interval, 3>& inverse,
+                   std::span<const std::array<Interval, 3>> coordinates,
+                   const std::array<Interval, 3>& weight) {
+  Surface out{inverse, gradient_of(inverse, weight)};
   // N = (u/s)' / s - (u/s) (1/s)'. At corner i it is the sum of w_j (u_j - u_i) / s_j, times 1/s_i.
-  for (std::size_t k = 0; k < 2; ++k) {
+  for (const std::array<Interval, 3>& u : coordinates) {
+    std::array<Interval, 3>& n = out.n.emplace_back();
     for (std::size_t i = 0; i < 3; ++i) {
       Interval sum = 0;
       for (std::size_t j = 0; j < 3; ++j) {
-        sum += weight[j] * out.inverse[j] * (Interval(v[j].uv[k]) - v[i].uv[k]);
+        if (j != i) sum += weight[j] * inverse[j] * (u[j] - u[i]);
       }
-      out.n[k][i] = sum * out.inverse[i];
+      n[i] = sum * inverse[i];
     }
   }
   return out;
@@ -111,10 +122,16 @@ double steepest_inside(const Surface& surface, std::size_t k) {
 // Fraction bits of a margin that is in units of 2^-(subpixel_bits + 1) pixel.
 constexpr int margin_bits = 20;
 
+// A surface, and where its steepest changes on the rows in the picture go to.
+struct Measured {
+  Surface surface;
+  std::vector<double*> gradient;  // per coordinate
+};
+
 // Measures the rows with centres that are covered, or would be with the edges `margin` further out, and what
 // of them is in the picture. `v` is in the order of the edge walk.
-void measure_rows(const Config& config, const std::array<Corner, 3>& v, __int128 area, const Surface& surface,
-                  double margin, InputRange& r) {
+void measure_rows(const Config& config, const std::array<Corner, 3>& v, __int128 area,
+                  std::span<const Measured> surfaces, double margin, InputRange& r) {
   const __int128 one = __int128{1} << config.subpixel_bits;  // half a pixel
   const auto out =
       static_cast<__int128>(std::ceil(std::ldexp(margin, config.subpixel_bits + 1 + margin_bits)));
@@ -128,7 +145,10 @@ void measure_rows(const Config& config, const std::array<Corner, 3>& v, __int128
   const double unit = std::ldexp(1.0, -config.subpixel_bits - 1);
   r.covers = false;
   r.shortest_row = infinite;
-  r.longest_row = r.u_gradient = r.v_gradient = 0;
+  r.longest_row = 0;
+  for (const Measured& m : surfaces) {
+    for (double* const gradient : m.gradient) *gradient = 0;
+  }
   for (__int128 row = first_row; row <= last_row; ++row) {
     const __int128 y = (2 * row + 1) * one;
     const bool lower = y >= 2 * v[1].y && v[2].y != v[1].y;
@@ -155,21 +175,44 @@ void measure_rows(const Config& config, const std::array<Corner, 3>& v, __int128
     // for.
     const Interval t = real(y - 2 * v[0].y) / real(2 * (v[2].y - v[0].y));
     const auto at = [&](const std::array<Interval, 3>& w) { return w[0] + (w[2] - w[0]) * t; };
-    const Interval on_long = at(surface.inverse);
-    const Interval to_right =
-        area > 0 ? surface.inverse_x * length : -(surface.inverse_x * length);  // from the long edge
-    const Interval on_short = on_long + to_right;
-    const auto clipped = [&](const Crossing& end_of_row, Interval inverse) {
-      const Interval x = real(end_of_row.n) / real(end_of_row.d) * Interval(unit);
-      const Interval inside(std::clamp(x.lo, -1.0, r.width + 1.0), std::clamp(x.hi, -1.0, r.width + 1.0));
-      return inside == x ? inverse : inverse + surface.inverse_x * (inside - x);
-    };
-    const Interval inverse = hull(clipped(long_edge, on_long), clipped(short_edge, on_short));
-    // 1/s is nowhere below the least of the corners, whatever the intervals above lose on a sliver.
-    const double least = std::max(inverse.lo, (Interval(1) / r.s.hi).lo);
-    r.u_gradient = std::max(r.u_gradient, (Interval(at(surface.n[0]).mag()) / square(Interval(least))).hi);
-    r.v_gradient = std::max(r.v_gradient, (Interval(at(surface.n[1]).mag()) / square(Interval(least))).hi);
+    for (const Measured& m : surfaces) {
+      const Surface& surface = m.surface;
+      const Interval on_long = at(surface.inverse);
+      const Interval to_right =
+          area > 0 ? surface.inverse_x * length : -(surface.inverse_x * length);  // from the long edge
+      const auto clipped = [&](const Crossing& end_of_row, Interval inverse) {
+        const Interval x = real(end_of_row.n) / real(end_of_row.d) * Interval(unit);
+        const Interval inside(std::clamp(x.lo, -1.0, r.width + 1.0), std::clamp(x.hi, -1.0, r.width + 1.0));
+        return inside == x ? inverse : inverse + surface.inverse_x * (inside - x);
+      };
+      const Interval inverse = hull(clipped(long_edge, on_long), clipped(short_edge, on_long + to_right));
+      // 1/s is nowhere below the least of the corners, whatever the intervals above lose on a sliver.
+      const double least = std::max(inverse.lo, surface.least_inverse());
+      for (std::size_t k = 0; k < m.gradient.size(); ++k) {
+        double& most = *m.gradient[k];
+        most = std::max(most, (Interval(at(surface.n[k]).mag()) / square(Interval(least))).hi);
+      }
+    }
   }
+}
+
+// What is known of a triangle's place in the projector's texture, without the gradients of places.
+std::optional<ProjectedRange> projected_range(const Projector& projector, const std::array<Corner, 3>& v,
+                                              const std::array<Interval, 3>& weight) {
+  ProjectedRange out;
+  out.s_min = projector.s_min;
+  out.s_max = projector.s_max;
+  for (std::size_t j = 0; j < 3; ++j) {
+    std::array<Interval, 3> over_s;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (!(v[i].xyw[2] > 0)) return std::nullopt;
+      over_s[i] = Interval(v[i].xyw[j]) / v[i].s;
+      out.xyw[j] = i == 0 ? Interval(v[i].xyw[j]) : hull(out.xyw[j], v[i].xyw[j]);
+      out.over_s[j] = i == 0 ? over_s[i] : hull(out.over_s[j], over_s[i]);
+    }
+    out.over_s_gradient[j] = gradient_of(over_s, weight).mag();
+  }
+  return out;
 }
 
 // `position_error` gives the error of a dda's edges; it is empty where x is exact.
@@ -182,7 +225,7 @@ std::optional<InputRange> triangle_range(const Config& config, const Scene& scen
     const auto raw = [&](double x) {
       return static_cast<__int128>(std::ldexp(quantised(x, snap), config.subpixel_bits));
     };
-    v[i] = {raw(in.x), raw(in.y), in.s, {in.u, in.v}};
+    v[i] = {raw(in.x), raw(in.y), in.s, {in.u, in.v}, {in.project_x, in.project_y, in.project_w}};
   }
   std::stable_sort(v.begin(), v.end(),
                    [](const Corner& a, const Corner& b) { return a.y < b.y || (a.y == b.y && a.x < b.x); });
@@ -211,15 +254,38 @@ std::optional<InputRange> triangle_range(const Config& config, const Scene& scen
     if (height != 0) r.shortest_edge = std::min(r.shortest_edge, pixels(height < 0 ? -height : height));
   }
 
-  const Surface surface = surface_of(v, area, unit);
-  r.inverse_s_gradient = surface.inverse_x.mag();
+  const std::array<Interval, 3> weight = weights_of_gradient(v, area, unit);
+  const auto corners = [&v](auto value) {
+    return std::array<Interval, 3>{value(v[0]), value(v[1]), value(v[2])};
+  };
+  const std::array uv{corners([](const Corner& c) { return c.uv[0]; }),
+                      corners([](const Corner& c) { return c.uv[1]; })};
+  std::vector<Measured> surfaces{
+      {surface_of(corners([](const Corner& c) { return Interval(1) / c.s; }), uv, weight),
+       {&r.u_gradient, &r.v_gradient}}};
+  r.inverse_s_gradient = surfaces.front().surface.inverse_x.mag();
   // The triangle is widest at vertex 1.
   r.longest_row = (real(area < 0 ? -area : area) / real(v[2].y - v[0].y) * unit).hi;
-  r.u_gradient = steepest_inside(surface, 0);
-  r.v_gradient = steepest_inside(surface, 1);
+  if (scene.projector && has_project(config.project))
+    r.projected = projected_range(*scene.projector, v, weight);
+  if (r.projected) {
+    // X / W is a u over a surface whose 1/s is W / s.
+    const std::array place{corners([](const Corner& c) { return Interval(c.xyw[0]) / c.xyw[2]; }),
+                           corners([](const Corner& c) { return Interval(c.xyw[1]) / c.xyw[2]; }),
+                           corners([](const Corner& c) { return Interval(1) / c.xyw[2]; })};
+    auto& gradient = r.projected->place_gradient;
+    for (std::size_t k = 0; k < 3; ++k)
+      r.projected->place[k] = hull(hull(place[k][0], place[k][1]), place[k][2]);
+    surfaces.push_back(
+        {surface_of(corners([](const Corner& c) { return Interval(c.xyw[2]) / c.s; }), place, weight),
+         {&gradient[0], &gradient[1], &gradient[2]}});
+  }
+  for (const Measured& m : surfaces) {
+    for (std::size_t k = 0; k < m.gradient.size(); ++k) *m.gradient[k] = steepest_inside(m.surface, k);
+  }
   const double margin = position_error ? position_error(r) : 0;
   // With a margin beyond half a pixel, what is outside the picture could count too.
-  if (margin <= 0.5) measure_rows(config, v, area, surface, margin, r);
+  if (margin <= 0.5) measure_rows(config, v, area, surfaces, margin, r);
   return r;
 }
 
@@ -270,6 +336,21 @@ InputRange input_range(const Config& config, const Scene& scene) {
     all.inverse_s_gradient = std::max(all.inverse_s_gradient, r.inverse_s_gradient);
     all.u_gradient = std::max(all.u_gradient, r.u_gradient);
     all.v_gradient = std::max(all.v_gradient, r.v_gradient);
+    if (!all.projected || !r.projected) {
+      all.projected.reset();
+      continue;
+    }
+    const auto& own = *r.projected;
+    auto& to = *all.projected;
+    for (std::size_t j = 0; j < 3; ++j) {
+      to.xyw[j] = hull(to.xyw[j], own.xyw[j]);
+      to.over_s[j] = hull(to.over_s[j], own.over_s[j]);
+      to.over_s_gradient[j] = std::max(to.over_s_gradient[j], own.over_s_gradient[j]);
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      to.place[k] = hull(to.place[k], own.place[k]);
+      to.place_gradient[k] = std::max(to.place_gradient[k], own.place_gradient[k]);
+    }
   }
   return all;
 }

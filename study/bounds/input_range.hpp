@@ -2,6 +2,7 @@
 // The ranges of a scene's input that error bounds are proved from.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -11,6 +12,17 @@
 #include "study/bounds/interval.hpp"
 
 namespace bitspan {
+
+// Where a projector lays the triangles. There is none where a vertex has W <= 0.
+struct ProjectedRange {
+  double s_min = 1, s_max = 2;              // of the projector
+  std::array<Interval, 3> xyw{};            // X, Y, W of the vertices
+  std::array<Interval, 3> over_s{};         // X, Y, W over s of the vertices
+  std::array<double, 3> over_s_gradient{};  // the largest change of these to a neighbouring pixel of a row
+  std::array<Interval, 3> place{};          // X / W, Y / W in texels, and 1 / W, of the vertices
+  // The largest change of these to a neighbouring pixel of a row, inside a triangle and the picture.
+  std::array<double, 3> place_gradient{};
+};
 
 // What is known of the triangles. The fields from `shortest_edge` on may stay at what any legal triangle has;
 // slivers then decide the bounds.
@@ -30,6 +42,7 @@ struct InputRange {
   double v_gradient = std::numeric_limits<double>::infinity();
   // Whether a pixel's centre may be covered. If not, only vertices are ever computed.
   bool covers = true;
+  std::optional<ProjectedRange> projected = std::nullopt;
 };
 
 // Returns the hull of triangle_ranges, over all triangles of the scene. A scene without a triangle that has

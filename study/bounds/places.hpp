@@ -31,6 +31,12 @@ enum Place : std::size_t {
   span_u,
   span_v,
   depth_z,
+  // Up to project_z: where project.unit is not none.
+  project_s,
+  project_t,
+  project_ratio,
+  project_h,
+  project_z,
   picture_depth,
   picture_u,
   picture_v,
@@ -40,6 +46,7 @@ enum Place : std::size_t {
 struct PlaceName {
   const char *place, *stage, *quantity, *unit;
 };
+constexpr bool is_projected(std::size_t p) { return p >= project_s && p <= project_z; }
 constexpr std::array<PlaceName, place_count> place_names{{
     {"setup.b", "constants", "B", "depth code"},
     {"setup.h", "setup", "h", "depth code"},
@@ -61,6 +68,11 @@ constexpr std::array<PlaceName, place_count> place_names{{
     {"span.uv", "span", "u", "texel"},
     {"span.uv", "span", "v", "texel"},
     {"depth.z", "depth", "z", "depth code"},
+    {"span.uv (project)", "project", "s", "texel"},
+    {"span.uv (project)", "project", "t", "texel"},
+    {"project.ratio", "project", "ratio", "1"},
+    {"project.h", "project", "h", "depth code"},
+    {"depth.z (project)", "project", "z", "depth code"},
     {"depth buffer", "picture", "depth", "depth code"},
     {"picture u", "picture", "u", "texel"},
     {"picture v", "picture", "v", "texel"},
@@ -86,6 +98,7 @@ struct WorstCase {
   std::array<double, 2> uv_gradient{};
   bool position_capped = false;
   bool slope_saturates = false;
+  double w_least = 0;  // of a projector's W (h + B), on the line through the vertices
 };
 
 }  // namespace bitspan::bounds

@@ -19,13 +19,14 @@ ErrorSum ErrorAnalysis::with_drift(ErrorSum e) const {
 
 void ErrorAnalysis::setup() {
   const Format& s = format(F::setup_s);
-  const Interval near = std::ldexp(in_.s.lo, -exponent_);
+  const Interval near = std::ldexp(in_.s.lo, -view_.exponent);
   const Interval step = rounding(s);
   // s / s' is furthest from 1 at the nearest vertex. s' >= s_min' > 0, because rounding is monotone.
   const Interval least = near + step.lo;
-  const Interval most_ratio = least.lo >= s_near_ ? near / least : (Interval(s_near_) - step.lo) / s_near_;
+  const Interval most_ratio =
+      least.lo >= view_.s_near ? near / least : (Interval(view_.s_near) - step.lo) / view_.s_near;
   Interval ratio(std::min(1.0, (near / (near + step.hi)).lo), std::max(1.0, most_ratio.hi));
-  const Interval farthest = std::ldexp(in_.s.hi, -exponent_);
+  const Interval farthest = std::ldexp(in_.s.hi, -view_.exponent);
   if (farthest.hi > values(s).hi) {  // saturation takes off at most this
     ratio.hi = std::max(ratio.hi, (farthest / values(s).hi).hi);
   }

@@ -30,6 +30,8 @@ void ErrorAnalysis::span() {
   out_.worst.span_distance = distance;
   out_.worst.pixels = additions;
   const int p_grid = std::max(1, x_format.fraction());
+  row_way_ = {slopes, p_grid, distance, additions};
+  row_width_ = wide;
   const double away = off.mag();  // from a pixel's centre to the point of the chord that it stands for
 
   // The change of h along a chord.
@@ -63,6 +65,7 @@ void ErrorAnalysis::span() {
   depth_places(total, beyond);
   const Interval line_h = within(h_ + end_h, F::edge_h);
   if (!overflow(h_walk, h, F::span_h, line_h, additions + 1)) h.any = true;
+  walked_h_.add(h_walk);
   const Interval line_q = positive(q_ + end_h);
   const Divided q = divided(line_q, h, h_walk, values(format(F::span_h)));
   const UnitError unit = q.none ? UnitError{} : pixel_.error(q.operand);
@@ -143,19 +146,23 @@ void ErrorAnalysis::span_coordinate(std::size_t i, const Slopes& slopes, const D
   e.add("span.uv", rounding(format(F::span_uv)));
   if (finite) {
     const Interval truth = exact ? uv : uv + Interval::plus_minus(moved);
-    finish_uv(e, divides, format(F::span_uv), truth);
+    finish_quotient(e, divides, format(F::span_uv), truth);
   }
   deliver(i == 0 ? span_u : span_v, e, uv.mag(), !finite);
   deliver(i == 0 ? picture_u : picture_v, e, uv.mag(), !finite);
 }
 
-void ErrorAnalysis::depth_places(const ErrorSum& h, double beyond) {
+ErrorSum ErrorAnalysis::stored_code(const ErrorSum& h, F from, Interval truth) const {
   const Format z = c_.depth_format();
-  const bool reversed = is_complement_of_h(c_.depth_code);
   ErrorSum e;
-  e.add(h, reversed ? Interval(-1) : Interval(1));
-  e.add("depth.round", rounding(z, format(F::span_h).fraction()));
-  settle(e, z, Interval(0, hmax_) + Interval::plus_minus(beyond));
+  e.add(h, is_complement_of_h(c_.depth_code) ? Interval(-1) : Interval(1));
+  e.add("depth.round", rounding(z, format(from).fraction()));
+  settle(e, z, is_complement_of_h(c_.depth_code) ? Interval(hmax_) - truth : truth);
+  return e;
+}
+
+void ErrorAnalysis::depth_places(const ErrorSum& h, double beyond) {
+  ErrorSum e = stored_code(h, F::span_h, Interval(0, hmax_) + Interval::plus_minus(beyond));
   deliver(depth_z, e, hmax_);
   // The picture of the truth has the nearest code.
   e.add("the nearest code of the truth", Interval::plus_minus(0.5));

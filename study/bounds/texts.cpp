@@ -86,6 +86,16 @@ std::string why_of(std::size_t p, const Config& c, const WorstCase& f) {
                     "a sliver's chord may be shorter than an ulp of edge.x"
                   : "") +
              (f.slope_saturates ? "; a slope beyond its register stops short of the far end" : "");
+    case project_s:
+    case project_t:
+    case project_ratio:
+      return fmt::format(
+          "a quotient by W (h + B) >= {}: errors of both lines, the vertices' h as weights, the unit's own "
+          "error, and x of the ends, which errs by {} pixel",
+          number(f.w_least), number(f.x_error));
+    case project_h:
+    case project_z:
+      return "that of project.ratio times A of the projector, whose A and B are rounded";
     case span_u:
     case span_v:
     case picture_u:
@@ -106,6 +116,7 @@ std::vector<Bound> explained(const Config& config, const std::array<PlaceError, 
   std::vector<Bound> out;
   for (std::size_t p = 0; p < place_count; ++p) {
     if (p == edge_x_acc && !has_x_step(config)) continue;
+    if (is_projected(p) && !has_project(config.project)) continue;
     const PlaceName& name = place_names[p];
     Bound b{name.place,
             name.stage,

@@ -13,11 +13,13 @@
 #include <string>
 
 #include "config/check.hpp"
+#include "config/modes.hpp"
 #include "model/engine_model.hpp"
 #include "report/error.hpp"
 #include "report/random_config.hpp"
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
+#include "scene/shadow.hpp"
 #include "tests/support/input_error.hpp"
 #include "tests/support/test_config.hpp"
 
@@ -39,18 +41,43 @@ std::vector<Scene> random_scenes(int count) {
   return scenes;
 }
 
+// A scene with a slide thrown on it from beside the viewer. What reaches behind the projector is left out.
+Scene under_slide(Scene scene, std::uint64_t seed) {
+  Random random(seed);
+  const double middle = std::sqrt(scene.s_min * scene.s_max);
+  const auto some = [&](double most) { return random.uniform(-most, most) * middle; };
+  SlideOptions slide;
+  slide.image = {"slide.png", 64, 48, std::vector<std::uint8_t>(std::size_t{4} * 64 * 48, 200)};
+  slide.projector = {some(0.3), some(0.3), some(0.1)};
+  slide.at = {some(0.1), some(0.1), middle};
+  slide.degrees = random.uniform(20, 80);
+  scene = with_slide(std::move(scene), slide);
+  std::erase_if(scene.triangles, [&](const Triangle& t) {
+    return std::ranges::any_of(t.v, [&](const Vertex& v) { return v.project_w < 0.05 * scene.s_min; });
+  });
+  // Of the half of the scenes the codes run over their whole range.
+  if (seed % 2 == 0 && !scene.triangles.empty()) {
+    double nearest = scene.projector->s_max;
+    for (const Triangle& t : scene.triangles) {
+      for (const Vertex& v : t.v) nearest = std::min(nearest, v.project_w);
+    }
+    scene.projector->s_min = std::min(nearest, 0.9 * scene.projector->s_max);
+  }
+  return scene;
+}
+
 // The largest error of each stage and quantity, with those that ErrorMeter has no row for.
 class Observed {
  public:
   Observed(const Config& config, const Scene& scene) : c_(config), scene_(scene) {
     const auto model = make_model(config);
     model->begin(scene);
-    model->draw(scene.triangles, 0, &trace_);
+    draw_scene(*model, scene, 0, scene.triangles.size(), &trace_);
     ErrorMeter meter(config, scene);
     meter.add(scene.triangles, 0, trace_);
     const auto ideal = make_ideal(config);
     ideal->begin(scene);
-    ideal->draw(scene.triangles, 0, nullptr);
+    draw_scene(*ideal, scene, 0, scene.triangles.size(), nullptr);
     meter.add_pictures(model->frame(), ideal->frame());
     for (const ErrorRow& row : meter.report().rows) {
       FieldError field;
@@ -62,6 +89,7 @@ class Observed {
       if (field.count > 0) fields_.push_back(field);
     }
     walk();
+    project();
   }
 
   const std::vector<FieldError>& fields() const { return fields_; }
@@ -114,6 +142,19 @@ class Observed {
         add("span", "fu", value(r.fu, FormatId::span_f) - (p.u - left.u) * (p.h + b));
         add("span", "fv", value(r.fv, FormatId::span_f) - (p.v - left.v) * (p.h + b));
         add("span", "1/(h+B)", reciprocal(r.recip_m, r.recip_e) * (p.h + b) - 1);
+      }
+    }
+  }
+  // Beside the texture, too.
+  void project() {
+    const RecordView view = view_of(trace_, RecordType::project);
+    for (std::size_t n = 0; n < view.records; ++n) {
+      const std::span record(view.values + n * view.fields.size(), view.fields.size());
+      const Triangle& triangle = scene_.triangles[static_cast<std::size_t>(trace_.project[n].triangle)];
+      for (const std::string name : {"s", "t", "ratio", "h", "z"}) {
+        const auto i = static_cast<std::size_t>(field_index(RecordType::project, name));
+        const auto ideal = ideal_value(RecordType::project, name, record, c_, scene_, triangle);
+        if (ideal) add("project", name, decoded(record[i], *format_of(view.fields[i], c_)) - *ideal);
       }
     }
   }
@@ -228,6 +269,37 @@ TEST_P(ShippedBounds, HoldInTheOtherFormsOfSlopesAndCoverage) {
   for (const Scene& scene : embedded_scenes()) expect_bounds_hold(config, scene);
 }
 
+// As least_ratio, of the places of a projector.
+const std::map<std::string, double> least_projected_ratio{
+    {"span.uv (project) s", 0.5}, {"span.uv (project) t", 0.7}, {"project.ratio ratio", 0.3},
+    {"project.h h", 0.3},         {"depth.z (project) z", 0.3},
+};
+
+TEST_P(ShippedBounds, HoldOfASlide) {
+  Config config = shipped_config(shipped_names[static_cast<std::size_t>(GetParam())]);
+  config.project = ProjectUnit::reciprocal;
+  std::map<std::string, double> largest;
+  const auto take = [&](const Scene& scene) {
+    for (const BoundCheck& c : expect_bounds_hold(config, scene)) {
+      double& ratio = largest[c.place + " " + c.quantity];
+      ratio = std::max(ratio, c.ratio);
+    }
+  };
+  take(under_slide(demo_scene(160, 120), 1));
+  std::uint64_t seed = 2;
+  for (const Scene& scene : random_scenes(3)) {
+    take(under_slide(scene, seed));
+    config.edge_walk = EdgeWalk::dda;
+    take(under_slide(scene, seed++));
+    config.edge_walk = EdgeWalk::exact;
+  }
+  for (const auto& [place, least] : least_projected_ratio) {
+    ASSERT_TRUE(largest.contains(place)) << place;
+    EXPECT_GE(largest[place], least) << place;
+    RecordProperty("ratio " + place, std::to_string(largest[place]));
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Configurations, ShippedBounds, testing::Range(0, 3), [](const auto& info) {
   return shipped_names[static_cast<std::size_t>(info.param)];
 });
@@ -249,7 +321,8 @@ TEST(Bounds, HoldForRandomLegalConfigurations) {
   int finite = 0;
   for (std::uint64_t seed = 0; seed < 120; ++seed) {
     const Config config = random_config(seed, bases, options);
-    const Scene scene = random_scene(seed, scene_options);
+    Scene scene = random_scene(seed, scene_options);
+    if (has_project(config.project)) scene = under_slide(std::move(scene), seed);
     try {
       make_model(config)->begin(scene);
     } catch (const InputError&) {
@@ -554,6 +627,47 @@ TEST(Bounds, ANarrowerModelBreaksThem) {
   }
 }
 
+// The same of a slide.
+TEST(Bounds, ANarrowerProjectorBreaksThem) {
+  Config config = shipped_config("depth16");
+  config.project = ProjectUnit::reciprocal;
+  const Scene scene = under_slide(random_scenes(1).front(), 2);
+  const std::vector<Bound> bounds = error_bounds(config, scene);
+  ASSERT_TRUE(all_hold(check_bounds(bounds, Observed(config, scene).fields())));
+  struct Cut {
+    FormatId id;
+    int bits;
+    std::string quantity;
+  };
+  for (const Cut& cut : {Cut{FormatId::project_vertex, 6, "s"}, Cut{FormatId::project_acc, 8, "t"},
+                         Cut{FormatId::project_step, 10, "s"}, Cut{FormatId::project_value, 14, "t"},
+                         Cut{FormatId::project_ratio, 11, "ratio"}, Cut{FormatId::project_h, 18, "h"},
+                         Cut{FormatId::distance_a, 22, "h"}}) {
+    Config narrower = config;
+    narrower.format(cut.id).word -= cut.bits;
+    const auto checks = check_bounds(bounds, Observed(narrower, scene).fields());
+    EXPECT_TRUE(std::any_of(checks.begin(), checks.end(), [&](const BoundCheck& c) {
+      return !c.holds && c.stage == "project" && c.quantity == cut.quantity;
+    })) << key_of(cut.id);
+  }
+}
+
+// X / W has no limit where W passes through 0.
+TEST(Bounds, BehindTheProjectorTheyAreInfinite) {
+  Config config = shipped_config("depth16");
+  config.project = ProjectUnit::reciprocal;
+  Scene scene = under_slide(random_scenes(1).front(), 2);
+  EXPECT_TRUE(std::isfinite(bound_of(error_bounds(config, scene), "span.uv (project)", "s").bound));
+  scene.triangles[0].v[1].project_w = 0;
+  for (const char* quantity : {"s", "t"}) {
+    const Bound bound = bound_of(error_bounds(config, scene), "span.uv (project)", quantity);
+    EXPECT_TRUE(std::isinf(bound.bound));
+    EXPECT_EQ(bound.dominant, "no finite bound");
+  }
+  config.project = ProjectUnit::none;
+  EXPECT_THROW(bound_of(error_bounds(config, scene), "span.uv (project)", "s"), std::out_of_range);
+}
+
 TEST(Bounds, ModesAndRangesWithoutABoundAreRefused) {
   const InputRange range;
   for (const Perspective mode :
@@ -585,6 +699,18 @@ TEST(Bounds, ModesAndRangesWithoutABoundAreRefused) {
   refused([](InputRange& r) { r.x = {0, std::numeric_limits<double>::infinity()}; }, "x: legal");
   refused([](InputRange& r) { r.height = 0; }, "width, height");
   refused([](InputRange& r) { r.u_gradient = std::nan(""); }, "gradients");
+  refused([](InputRange& r) { r.projected.emplace(); }, "projected.xyw: legal: W above 0");
+  refused([](InputRange& r) { r.projected.emplace().s_max = 1; }, "projected.s_min, s_max");
+  Config own = config;
+  own.depth_line = DepthLine::z;
+  Scene given = demo_scene(64, 48);
+  EXPECT_FALSE(error_bounds(own, given).empty());
+  given.triangles[0].v[0].z = 0.5;
+  expect_refusal([&] { error_bounds(own, given); }, "depth.line: no bound is known for z where");
+  expect_refusal([&] { stored_depth_bounds(own, given); }, "depth.line");
+  Scene passes = demo_scene(64, 48);
+  passes.commands.push_back({.before = 0, .what = ViewChange{}});
+  expect_refusal([&] { error_bounds(config, passes); }, "a scene whose view a command changes");
   refused(
       [](InputRange& r) {
         r.s_max = 1e30;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Oracles over a scene: what `verify` and `explain` share.
+// Oracles over a scene, by the proved bounds: what `verify`, `explain` and studies share.
 #pragma once
 
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/registry.hpp"
@@ -25,5 +26,10 @@ std::string own_refusal(const Oracle& oracle, const Config& config, const Scene&
 std::vector<PixelFinding> shadows_of(const Config& config, const ShadowPlan& plan,
                                      std::span<const Visible> picture, const VisibilityReport& seen,
                                      const EngineOptions& options);
+
+// The same of a picture that an engine has drawn: by the oracle `ray`. frame: of the whole scene. Throws
+// InputError where no oracle draws the picture, or no bound is known.
+VisibilityReport judged_shadows(const Config& config, const ShadowPlan& plan, const Frame& frame,
+                                std::string_view engine);
 
 }  // namespace bitspan

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/oracles.hpp"
+#include "study/oracles.hpp"
 
 #include "study/bounds/bounds.hpp"
 
@@ -28,6 +28,17 @@ std::vector<PixelFinding> shadows_of(const Config& config, const ShadowPlan& pla
   draw_scene(*engine, plan.mask, 0, plan.mask.triangles.size(), nullptr);
   return shadow_findings(config, plan, stored_depth_bounds(config, map_scene(plan)), picture, seen,
                          engine->frame());
+}
+
+VisibilityReport judged_shadows(const Config& config, const ShadowPlan& plan, const Frame& frame,
+                                std::string_view engine) {
+  const Oracle& ray = *parse_oracles("ray").front();
+  std::string why;
+  const std::optional<Visibility> visibility = visibility_of(config, plan.picture, why);
+  if (!visibility) throw InputError(why);
+  const std::vector<Visible> picture = visibility->picture(ray);
+  const VisibilityReport seen = visibility->compare(ray, picture, frame_of_picture(plan, frame), engine);
+  return shadow_report(seen, shadows_of(config, plan, picture, seen, {}));
 }
 
 }  // namespace bitspan
