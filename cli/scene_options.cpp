@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "config/modes.hpp"
+#include "config/one_line.hpp"
 #include "engine/range.hpp"
 #include "io/message.hpp"
 #include "scene/camera_views.hpp"
@@ -306,6 +307,21 @@ void add_scene_options(CLI::App& command, SceneOptions& o) {
       ->type_name("K")
       ->group(group);
   add_allow_empty(command, o);
+}
+
+SceneOptions parse_scene_flags(std::vector<std::string> flags) {
+  SceneOptions out;
+  CLI::App app;
+  app.set_help_flag();
+  add_scene_options(app, out);
+  const std::string text = fmt::format("{}", fmt::join(flags, " "));
+  std::ranges::reverse(flags);  // as the parser takes them
+  try {
+    app.parse(std::move(flags));
+  } catch (const CLI::ParseError& error) {
+    throw InputError(fmt::format("flags of a scene: {}: {}", text, one_line(error.what())));
+  }
+  return out;
 }
 
 void add_supersample(CLI::App& command, SceneOptions& o) {

@@ -71,6 +71,8 @@ struct NothingDrawn : std::runtime_error {
 void refuse_without_faces(const LoadedScene& loaded, const SceneOptions& options);
 
 void add_scene_options(CLI::App& command, SceneOptions& options);
+// What such flags say. Throws InputError.
+SceneOptions parse_scene_flags(std::vector<std::string> flags);
 // --allow-empty alone, which add_scene_options has too.
 void add_allow_empty(CLI::App& command, SceneOptions& options);
 

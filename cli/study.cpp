@@ -41,7 +41,7 @@ namespace {
 
 struct StudyArguments {
   std::vector<std::string> inputs;  // the study; scenes of --point
-  std::string db, csv, report, against, point, replay, size, shard;
+  std::string db, csv, scenes_csv, report, against, point, replay, size, shard;
   int threads = 0;
   std::optional<std::size_t> points;
   bool allow_empty = false;
@@ -64,26 +64,42 @@ bool takes_size(const std::string& name) {
   return !is_stream(name) && name != "extreme" && !name.starts_with("extreme/");
 }
 
-// Loads the scenes. Without names they are the embedded set.
-std::vector<Scene> scenes_of(std::vector<std::string> names, int width, int height, bool allow_empty) {
+// Loads the scenes. Without names they are the embedded set. is_lit: their shadows are biased for the codes
+// of that configuration; else they are the same with all.
+std::vector<Scene> scenes_of(std::vector<std::string> names, int width, int height, bool allow_empty,
+                             const Config& config, bool is_lit = false) {
   if (names.empty()) names = {"demo", "extreme"};
   std::vector<Scene> out;
   for (const std::string& name : names) {
-    SceneOptions options;
-    if (takes_size(split_view(name).scene)) options.size = fmt::format("{}x{}", width, height);
-    options.allow_empty = allow_empty;
-    for (LoadedScene& loaded : load_scenes(name, options)) {
+    const auto [named, flags] = split_flags(name);
+    SceneOptions options = seen_with(config, parse_scene_flags(flags));
+    if (options.size.empty() && takes_size(split_view(named).scene)) {
+      options.size = fmt::format("{}x{}", width, height);
+    }
+    if (!is_lit) {
+      options.depth_bits = SceneOptions{}.depth_bits;
+      options.depth_code = SceneOptions{}.depth_code;
+    }
+    options.allow_empty = options.allow_empty || allow_empty;
+    for (LoadedScene& loaded : load_scenes(named, options)) {
       refuse_without_faces(loaded, options);
+      if (!flags.empty()) loaded.scene.name = name;
       out.push_back(std::move(loaded.scene));
     }
   }
   return out;
 }
 
+// The scene of a study again, as another configuration compares its shadows.
+Scene loaded_again(const Scene& scene, const Config& config) {
+  std::vector<Scene> out = scenes_of({scene.name}, scene.width, scene.height, true, config, true);
+  if (out.size() != 1) throw InputError(fmt::format("{}: is {} scenes", scene.name, out.size()));
+  return std::move(out[0]);
+}
+
 Measure make_meter(std::vector<Scene> scenes) {
-  return [meter = std::make_shared<PointMeter>(std::move(scenes))](const Config& config) {
-    return meter->measure(config);
-  };
+  return [meter = std::make_shared<PointMeter>(std::move(scenes), half_of_memory(), loaded_again)](
+             const Config& config) { return meter->measure(config); };
 }
 
 // Reads "I/N", the I-th of N parts, counted from 1.
@@ -185,19 +201,24 @@ std::string points_text(const StudyPlan& plan, Store& store) {
 }
 
 void export_csv(const StudyArguments& o, const StudyPlan& plan, Store& store) {
-  if (o.csv.empty()) return;
-  AtomicFile file(o.csv);
-  write_csv(plan, store, replay_command(store.path()), [&](std::string_view text) { file.write(text); });
-  file.commit();
+  const auto to = [&](const std::string& path, auto write_to) {
+    if (path.empty()) return;
+    AtomicFile file(path);
+    write_to(plan, store, replay_command(store.path()), [&](std::string_view text) { file.write(text); });
+    file.commit();
+  };
+  to(o.csv, write_csv);
+  to(o.scenes_csv, write_scenes_csv);
 }
 
 // Prints the command that goes on with a study where this one ended; returns the exit code.
 int cut_short(const StudyArguments& o, const std::string& so_far, const Store& store,
               const Interrupt& interrupt) {
-  fmt::print("{}{}; go on with: bitspan study {} --db {}{}{}{}{}\n",
+  fmt::print("{}{}; go on with: bitspan study {} --db {}{}{}{}{}{}\n",
              interrupt.exit_code() != 0 ? "stopped" : "not finished", so_far, shell_word(o.inputs[0]),
              shell_word(store.path()), o.shard.empty() ? "" : " --shard " + o.shard,
              o.csv.empty() ? "" : " --csv " + shell_word(o.csv),
+             o.scenes_csv.empty() ? "" : " --csv-scenes " + shell_word(o.scenes_csv),
              o.report.empty() ? "" : " --report " + shell_word(o.report),
              o.against.empty() ? "" : " --against " + shell_word(o.against));
   return interrupt.exit_code();
@@ -208,10 +229,10 @@ int cut_short(const StudyArguments& o, const std::string& so_far, const Store& s
 int end_study(const StudyArguments& o, const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
               const Interrupt& interrupt, bool any_holds) {
   const auto load = [&](const std::string& name) {
-    return scenes_of({name}, plan.width, plan.height, o.allow_empty);
+    return scenes_of({name}, plan.width, plan.height, o.allow_empty, plan.base);
   };
-  const bool held =
-      interrupt.exit_code() == 0 && examine_recommendations(plan, scenes, load, store, interrupt.token());
+  const bool held = interrupt.exit_code() == 0 &&
+                    examine_recommendations(plan, scenes, load, loaded_again, store, interrupt.token());
   if (interrupt.exit_code() != 0) return cut_short(o, "", store, interrupt);
   if (!o.report.empty()) write_study_report(store.path(), plan.name, o.report, o.against);
   return any_holds && held ? exit_held : exit_difference;
@@ -280,8 +301,10 @@ int run_study(const StudyArguments& o) {
         plan.search ? "several programs on one --db" : "--report after bitspan study merge"));
   }
   check_writable(o.csv);
+  check_writable(o.scenes_csv);
   if (!o.report.empty()) make_writable_folder(o.report);
-  const std::vector<Scene> scenes = scenes_of(plan.scenes, plan.width, plan.height, o.allow_empty);
+  const std::vector<Scene> scenes = scenes_of(plan.scenes, plan.width, plan.height, o.allow_empty, plan.base);
+  check_report(plan, scenes);
   Store store(database_of(o, plan, shard), BITSPAN_VERSION);
   PointRunner runner(plan.base, scenes, make_meter, store, BITSPAN_VERSION, asked_of(plan));
   RunOptions options;
@@ -324,7 +347,7 @@ std::string result_text(const PointResult& result) {
 int measure_point(const StudyArguments& o) {
   const Config config = find_config(o.point);
   const Size size = picture_size(o.size);
-  const std::vector<Scene> scenes = scenes_of(o.inputs, size.width, size.height, o.allow_empty);
+  const std::vector<Scene> scenes = scenes_of(o.inputs, size.width, size.height, o.allow_empty, config);
   const auto start = std::chrono::steady_clock::now();
   const PointResult result = make_meter(scenes)(config);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -342,13 +365,13 @@ int measure_point(const StudyArguments& o) {
 }
 
 // Returns the scenes of a stored point, as they were.
-std::vector<Scene> stored_scenes(const PointRow& point, const std::string& db) {
+std::vector<Scene> stored_scenes(const PointRow& point, const Config& config, const std::string& db) {
   std::vector<Scene> out;
   try {
     check_json_depth(point.scenes);
     for (const auto& one : nlohmann::json::parse(point.scenes)) {
       const std::string name = one.at("name");
-      std::vector<Scene> loaded = scenes_of({name}, one.at("width"), one.at("height"), true);
+      std::vector<Scene> loaded = scenes_of({name}, one.at("width"), one.at("height"), true, config);
       if (loaded.size() != 1) throw InputError(fmt::format("{}: is {} scenes", name, loaded.size()));
       Scene scene = std::move(loaded[0]);
       if (one.contains("s_ratio")) scene = with_s_ratio(std::move(scene), one.at("s_ratio"));
@@ -386,7 +409,7 @@ int replay(const StudyArguments& o) {
         fmt::format("{}: its settings make no legal configuration: {}", point.hash, point.message));
   }
   const Config config = parse_config(point.config, "stored");
-  const std::vector<Scene> scenes = stored_scenes(point, o.db);
+  const std::vector<Scene> scenes = stored_scenes(point, config, o.db);
   if (point_hash(config, scenes, BITSPAN_VERSION) != point.hash) {
     fmt::print("{}: was measured by another version of bitspan\n", point.hash);
   }
@@ -469,6 +492,7 @@ void add_study(CLI::App& app, Action& action) {
   sub->add_option("study", o->inputs, "STUDY.toml; with --point: scenes (default: demo and extreme)");
   sub->add_option("--db", o->db, "the database (default: NAME.db beside the CSV file, or in this folder)");
   sub->add_option("--csv", o->csv, "write all points as CSV");
+  sub->add_option("--csv-scenes", o->scenes_csv, "write all points as CSV, a line per scene");
   sub->add_option("--report", o->report, "write an HTML report and its plots into this folder");
   sub->add_option(
       "--against", o->against,

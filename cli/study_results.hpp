@@ -28,9 +28,9 @@ using LoadScenes = std::function<std::vector<Scene>(const std::string&)>;
 
 // Examines what the study recommends and prints what it finds. Returns true where all views agree, no error
 // is above its bound and the constraints hold on the scenes that validate. Returns true, too, where nothing
-// is recommended, and prints that.
+// is recommended, and prints that. lit: as PointMeter has it.
 bool examine_recommendations(const StudyPlan& plan, const std::vector<Scene>& scenes, const LoadScenes& load,
-                             Store& store, const std::stop_token& stop);
+                             const LoadLit& lit, Store& store, const std::stop_token& stop);
 
 // Writes the HTML report with its plots into a folder, with python/bitspan_report. Throws ToolError with what
 // that program said where it fails. `against` is the database of a study to compare with; "" for none.

@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <sstream>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -34,6 +35,21 @@ std::array<double, 3> place_of(int number) {
 double between(double low, double high, double share) { return low + (high - low) * share; }
 
 }  // namespace
+
+FlaggedName split_flags(const std::string& text) {
+  const auto at = text.find(" --");
+  if (at == std::string::npos) return {text, {}};
+  FlaggedName out{text.substr(0, text.find_last_not_of(' ', at) + 1), {}};
+  std::istringstream words(text.substr(at));
+  for (std::string word; words >> word;) out.flags.push_back(word);
+  return out;
+}
+
+std::string flagged_name(const FlaggedName& name) {
+  std::string out = name.scene;
+  for (const std::string& flag : name.flags) out.append(" ").append(flag);
+  return out;
+}
 
 ViewName split_view(const std::string& name) {
   const auto at = name.rfind('@');

@@ -5,6 +5,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "scene/scene.hpp"
 
@@ -18,6 +19,14 @@ struct ViewName {
   std::string scene;  // without the camera
   int camera = 0;     // 0: none is named, and the scene has its own
 };
+// A scene with flags of its own, "demo --shadow=1,2,3": they begin at the first " --", and blanks part them.
+struct FlaggedName {
+  std::string scene;
+  std::vector<std::string> flags;
+};
+FlaggedName split_flags(const std::string& text);
+std::string flagged_name(const FlaggedName& name);
+
 // Splits "spot.obj@3". A name that is a file's, or whose end is no number from 1 to camera_limit, names none.
 ViewName split_view(const std::string& name);
 std::string view_name(std::string_view scene, int camera);

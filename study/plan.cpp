@@ -128,8 +128,8 @@ std::string read_axis_name(const Section& s) {
   const std::vector<std::string> known = all_keys();
   const char* taken = name == s_ratio_key || std::ranges::binary_search(known, name) ? "a key"
                       : find_metric(name) != nullptr                                 ? "a metric"
-                      : std::ranges::find(csv_columns, name) != csv_columns.end() ? "a column of the CSV file"
-                                                                                  : nullptr;
+                      : is_csv_column(name) ? "a column of the CSV file"
+                                            : nullptr;
   if (taken != nullptr) s.fail("name", "is \"" + name + "\", which is " + taken + "; legal: another word");
   return name;
 }
@@ -363,21 +363,40 @@ std::string file_beside(const std::string& path, const std::string& name) {
   return (ignored ? file : whole).lexically_normal().string();
 }
 
+// The flags of a scene, with the images that they name beside the study.
+std::vector<std::string> flags_beside(const std::string& path, std::vector<std::string> flags) {
+  constexpr auto of_images = std::to_array<std::string_view>({"--texture", "--texture1", "--slide"});
+  const auto names_image = [&](std::string_view flag) {
+    return std::ranges::find(of_images, flag) != of_images.end();
+  };
+  for (std::size_t i = 0; i < flags.size(); ++i) {
+    const auto equals = flags[i].find('=');
+    if (equals != std::string::npos && names_image(std::string_view(flags[i]).substr(0, equals))) {
+      flags[i] = flags[i].substr(0, equals + 1) + file_beside(path, flags[i].substr(equals + 1));
+    } else if (i > 0 && names_image(flags[i - 1])) {
+      flags[i] = file_beside(path, flags[i]);
+    }
+  }
+  return flags;
+}
+
 std::vector<std::string> read_scenes(const Section& study, std::string_view key, const std::string& path) {
   const std::string legal =
       "an array of scenes: demo, floor, extreme, extreme/NAME, triangles/SIZE, streams (.tri, .trib), "
-      "meshes, each with @CAMERA or without";
+      "meshes, each with @CAMERA or without, and with flags of a scene or without";
   std::vector<std::string> out;
   for (const std::string& name : study.texts(key, legal)) {
     if (name == "-") study.fail(key, "standard input is read once, and a study goes on later; legal: files");
-    const std::string scene = split_view(name).scene;
+    const auto [named, flags] = split_flags(name);
+    const std::string scene = split_view(named).scene;
     const bool embedded = scene == "demo" || scene == "floor" || scene == "extreme" ||
                           scene.starts_with("extreme/") || scene.starts_with("triangles/");
-    out.push_back(embedded ? name : file_beside(path, name));
+    const std::string found = embedded ? named : file_beside(path, named);
     std::error_code ignored;
-    if (!embedded && !fs::exists(split_view(out.back()).scene, ignored)) {
-      study.fail(key, out.back() + ": no such file; legal: " + legal);
+    if (!embedded && !fs::exists(split_view(found).scene, ignored)) {
+      study.fail(key, found + ": no such file; legal: " + legal);
     }
+    out.push_back(flagged_name({found, flags_beside(path, flags)}));
   }
   return out;
 }
@@ -400,9 +419,10 @@ void read_views(const Section& study, const std::string& path, StudyPlan& plan) 
       study.has("validate_views") ? static_cast<int>(study.integer("validate_views", 1, views_limit)) : 0;
   if ((views > 1 || unseen > 0) && scenes.empty()) scenes = {"demo", "extreme"};
   for (const std::string& scene : scenes) {
-    if (split_view(scene).camera == 0 || (views == 1 && unseen == 0)) continue;
+    if (views == 1 && unseen == 0) continue;
+    if (split_view(scene).camera == 0 && split_flags(scene).flags.empty()) continue;
     study.fail(views > 1 ? "views" : "validate_views",
-               "is given, and " + scene + " has its camera; legal: scenes without @CAMERA");
+               "is given, and " + scene + " has its camera; legal: scenes without @CAMERA and flags");
   }
   append_views(scenes, 0, views, plan.scenes);
   if (study.has("validate")) plan.validation = read_scenes(study, "validate", path);
@@ -602,6 +622,10 @@ StudyPlan parse_study(std::string_view text, const std::string& path, const Conf
     plan.bounds = report.has("bounds") && report.boolean("bounds");
   }
   return plan;
+}
+
+bool is_csv_column(std::string_view name) {
+  return name == scene_column || std::ranges::find(csv_columns, name) != csv_columns.end();
 }
 
 StudyPlan load_study(const std::string& path, const ConfigFinder& find) {

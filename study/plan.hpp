@@ -53,6 +53,9 @@ struct StudyPlan {
 // The columns of the CSV file that are neither keys nor metrics (write_csv).
 inline constexpr auto csv_columns = std::to_array<std::string_view>(
     {"i", "status", "holds", "seconds", "config_hash", "hash", "message", "replay"});
+// And of the one with a line per scene (write_scenes_csv).
+inline constexpr std::string_view scene_column = "scene";
+bool is_csv_column(std::string_view name);
 
 inline constexpr std::size_t points_limit = 1'000'000;    // of a plan
 inline constexpr std::size_t combinations_limit = 1'000;  // of categories in a search

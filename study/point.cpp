@@ -15,9 +15,11 @@
 #include "report/compare.hpp"
 #include "report/error.hpp"
 #include "report/metrics.hpp"
+#include "report/shadow_plan.hpp"
 #include "study/area_estimate.hpp"
 #include "study/cost.hpp"
 #include "study/engines.hpp"
+#include "study/oracles.hpp"
 #include "study/truths.hpp"
 
 namespace bitspan {
@@ -146,48 +148,72 @@ Metrics metrics_of(const ErrorReport& report, const std::vector<RegisterUse>& re
   return out;
 }
 
+constexpr const char* one_view =
+    ": a study measures one view, or a picture with one shadow map; expected a scene that no command changes";
+
+// What rays from the light find of the picture. Throws InputError where the scene has no shadow map.
+Metrics shadow_metrics(const Config& config, const Scene& scene, const Frame& frame) {
+  const auto plan = shadow_plan_of(config, scene);
+  if (!plan) throw InputError(scene.name + one_view);
+  const VisibilityReport report = judged_shadows(config, *plan, frame, "model");
+  return {{"shadow.unexplained", static_cast<double>(report.unexplained)},
+          {"shadow.edges", static_cast<double>(report.edges)},
+          {"shadow.judged", static_cast<double>(report.compared())}};
+}
+
 }  // namespace
 
-PointMeter::PointMeter(std::vector<Scene> scenes, std::size_t truth_bytes)
-    : scenes_(std::move(scenes)), truths_(std::make_unique<Truths>(scenes_, truth_bytes)) {
+Scene lit_for(const Scene& scene, const Config& config, const LoadLit& lit) {
+  return lit && changes_scene(scene.commands) ? lit(scene, config) : scene;
+}
+
+PointMeter::PointMeter(std::vector<Scene> scenes, std::size_t truth_bytes, LoadLit lit)
+    : scenes_(std::move(scenes)),
+      truths_(std::make_unique<Truths>(scenes_, truth_bytes)),
+      lit_(std::move(lit)) {
   if (scenes_.empty()) throw InputError("a study without scenes: name at least one");
   for (const Scene& scene : scenes_) {
-    if (!changes_scene(scene.commands)) continue;
-    throw InputError(scene.name + ": a study measures one view; expected a scene that no command changes");
+    if (!changes_scene(scene.commands) || scene.projector) continue;
+    throw InputError(scene.name + one_view);
   }
 }
 PointMeter::~PointMeter() = default;
 
 std::shared_ptr<const Frame> PointMeter::ideal(const Config& config, std::size_t scene) const {
   const auto truth = truths_->kept(config, scene);
-  if (!truth) return std::make_shared<const Frame>(drawn("ideal", config, scenes_.at(scene)));
+  if (!truth) {
+    return std::make_shared<const Frame>(drawn("ideal", config, lit_for(scenes_.at(scene), config, lit_)));
+  }
   return {truth, &truth->frame};  // the pointer keeps the whole truth alive
 }
 
 PointResult PointMeter::measure(const Config& config, bool histograms) const {
   check_config(config, config.name);
-  for (const Scene& scene : scenes_) check_scene_range(config, scene);
-
+  std::vector<std::optional<Scene>> in_passes(scenes_.size());
+  for (std::size_t s = 0; s < scenes_.size(); ++s) {
+    if (changes_scene(scenes_[s].commands)) in_passes[s] = lit_for(scenes_[s], config, lit_);
+    check_scene_range(config, in_passes[s] ? *in_passes[s] : scenes_[s]);
+  }
   PointResult out;
   std::vector<model::FieldStatistics> seen(model::register_count);
   std::vector<RegisterUse> octaves = register_uses(config, seen);
   ErrorReport errors;
   const auto engine = make_observed_model(config);
   Trace trace;
+  Metrics shadows;
   for (std::size_t s = 0; s < scenes_.size(); ++s) {
-    const Scene& scene = scenes_[s];
-    const auto kept = truths_->of(config, s);
-    const SceneTruth& truth = *kept;
+    const Scene& scene = in_passes[s] ? *in_passes[s] : scenes_[s];
+    std::shared_ptr<const SceneTruth> truth;
+    if (!in_passes[s]) truth = truths_->of(config, s);
     ErrorMeter meter(config, scene);
     engine->begin(scene);
-    for (std::size_t b = 0; b < truth.batches.size(); ++b) {
-      const std::size_t at = b * SceneTruth::batch;
+    for (std::size_t at = 0; at < scene.triangles.size(); at += SceneTruth::batch) {
       trace.clear();
-      draw_scene(*engine, scene, at, truth.batches[b].size(), &trace);
-      meter.add(truth.batches[b], static_cast<std::int64_t>(at), trace);
+      draw_scene(*engine, scene, at, std::min(SceneTruth::batch, scene.triangles.size() - at), &trace);
+      if (truth) meter.add(truth->batches[at / SceneTruth::batch], static_cast<std::int64_t>(at), trace);
       if (histograms) note_octaves(trace, config, octaves);
     }
-    meter.add_pictures(engine->frame(), truth.frame);
+    meter.add_pictures(engine->frame(), truth ? truth->frame : drawn("ideal", config, scene));
     if (s == 0) {
       errors = meter.report();
     } else {
@@ -199,6 +225,10 @@ PointResult PointMeter::measure(const Config& config, bool histograms) const {
       merge(seen[i], here[i]);
     }
     out.scenes.push_back({scene.name, metrics_of(meter.report(), register_uses(config, here))});
+    if (!in_passes[s]) continue;
+    const Metrics own = shadow_metrics(config, scene, engine->frame());
+    for (const auto& [name, value] : own) shadows[name] += value;
+    out.scenes.back().metrics.insert(own.begin(), own.end());
   }
   if (picture_value(errors, "picture.drawn").value_or(0) == 0) {
     throw InputError(config.name +
@@ -210,6 +240,7 @@ PointResult PointMeter::measure(const Config& config, bool histograms) const {
   }
   std::vector<RegisterUse> registers = register_uses(config, seen);
   out.metrics = metrics_of(errors, registers);
+  out.metrics.merge(shadows);
   for (std::size_t i = 0; i < registers.size(); ++i) {
     if (registers[i].count == 0) continue;
     registers[i].zeros = octaves[i].zeros;

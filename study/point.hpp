@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -47,11 +48,18 @@ struct PointResult {
   std::vector<SceneMetrics> scenes;
 };
 
+// Returns a scene with a shadow map as a configuration compares it: its biases are codes of depth.bits.
+using LoadLit = std::function<Scene(const Scene& scene, const Config& config)>;
+// The scene itself where there is no loader, or nothing is drawn in passes.
+Scene lit_for(const Scene& scene, const Config& config, const LoadLit& lit);
+
 class PointMeter {
  public:
-  // Keeps the scenes; what depends on them alone is computed once, where it fits in so many bytes. Throws
-  // InputError where there is no scene.
-  explicit PointMeter(std::vector<Scene> scenes, std::size_t truth_bytes = half_of_memory());
+  // Keeps the scenes; what depends on them alone is computed once, where it fits in so many bytes. Of a scene
+  // with a shadow map the picture is measured, and rays from the light judge it; there are no errors of
+  // fields. Throws InputError where there is no scene, and where one is drawn in other passes.
+  explicit PointMeter(std::vector<Scene> scenes, std::size_t truth_bytes = half_of_memory(),
+                      LoadLit lit = {});
   ~PointMeter();
   // May be called from several threads. Throws InputError where the configuration is illegal, is too narrow
   // for a scene (check_scene_range), or draws nothing of any scene. Without histograms RegisterUse::zeros and
@@ -65,6 +73,7 @@ class PointMeter {
  private:
   std::vector<Scene> scenes_;
   std::unique_ptr<Truths> truths_;
+  LoadLit lit_;
 };
 
 }  // namespace bitspan

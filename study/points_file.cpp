@@ -84,9 +84,7 @@ std::string legal_in(const Column& column) {
   return "an integer, or blank for the base's value";
 }
 
-bool is_result(const std::string& column) {
-  return std::ranges::find(csv_columns, column) != csv_columns.end() || find_metric(column) != nullptr;
-}
+bool is_result(const std::string& column) { return is_csv_column(column) || find_metric(column) != nullptr; }
 
 std::ifstream open_file(const std::string& path) {
   std::error_code ignored;

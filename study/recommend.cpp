@@ -560,7 +560,8 @@ void keep_findings(const StudyPlan& plan, const std::string& hash, const std::ve
 
 Validation validate(const StudyPlan& plan, const Recommendation& point,
                     const std::function<std::vector<Scene>(const std::string&)>& load, Store& store,
-                    const std::function<void(const std::string&)>& told, const std::stop_token& stop) {
+                    const std::function<void(const std::string&)>& told, const std::stop_token& stop,
+                    const LoadLit& lit) {
   const MeasuredPoint of = measured_point(point.hash, store);
   const Config& config = of.config;
   struct View {
@@ -573,7 +574,7 @@ Validation validate(const StudyPlan& plan, const Recommendation& point,
     if (of.s_ratio) scene = with_s_ratio(std::move(scene), *of.s_ratio);
     View view{scene.name, {}, {}};
     try {
-      PointResult result = PointMeter({std::move(scene)}).measure(config, false);
+      PointResult result = PointMeter({std::move(scene)}, half_of_memory(), lit).measure(config, false);
       view.measured = {std::move(result.metrics), std::move(result.scenes)};
     } catch (const InputError& error) {
       view.refusal = error.what();
@@ -637,15 +638,25 @@ Validation validate(const StudyPlan& plan, const Recommendation& point,
   return out;
 }
 
+void check_report(const StudyPlan& plan, const std::vector<Scene>& scenes) {
+  if (!plan.budget && !plan.bounds) return;
+  for (const Scene& scene : scenes) {
+    if (!changes_scene(scene.commands)) continue;
+    throw InputError(fmt::format("{}: {} is of one view, and {} is drawn in passes; legal: false", plan.name,
+                                 plan.budget ? "report.budget" : "report.bounds", scene.name));
+  }
+}
+
 Examination examine(const StudyPlan& plan, const Recommendation& point, std::vector<Scene> scenes,
                     Store& store, const std::function<void(const std::string&)>& told,
-                    const std::stop_token& stop) {
+                    const std::stop_token& stop, const LoadLit& lit) {
   Examination out;
   const MeasuredPoint of = measured_point(point.hash, store);
   const Config& config = of.config;
   if (of.s_ratio) {
     for (Scene& scene : scenes) scene = with_s_ratio(std::move(scene), *of.s_ratio);
   }
+  for (Scene& scene : scenes) scene = lit_for(scene, config, lit);
 
   const std::vector<std::string> margins = margin_lines(plan, store.metrics(point.hash));
   out.lines = margins;

@@ -117,6 +117,10 @@ std::string scene_hash(const Scene& scene) {
 }
 
 Scene with_s_ratio(Scene scene, double ratio) {
+  if (scene.projector || changes_scene(scene.commands)) {
+    throw InputError(fmt::format("{}: {} would move what is projected; expected scenes without a projector",
+                                 scene.name, s_ratio_key));
+  }
   if (ratio == scene.s_max / scene.s_min) return scene;
   const double power = std::log(ratio) / std::log(scene.s_max / scene.s_min);
   const double s_max = scene.s_min * ratio;
@@ -498,8 +502,10 @@ SweepResult run_sweep(const StudyPlan& plan, PointRunner& runner, Store& store, 
   return out;
 }
 
-void write_csv(const StudyPlan& plan, Store& store, const std::string& replay,
-               const std::function<void(std::string_view)>& write) {
+namespace {
+
+void write_rows(const StudyPlan& plan, Store& store, const std::string& replay, bool by_scene,
+                const std::function<void(std::string_view)>& write) {
   const auto rows = store.rows(
       "SELECT i, holds, hash, status, message, seconds, config_hash, settings FROM study_points JOIN points "
       "USING (hash) WHERE study = ? ORDER BY i",
@@ -521,6 +527,7 @@ void write_csv(const StudyPlan& plan, Store& store, const std::string& replay,
   // The first stands in front of the keys, two more in front of the metrics, the others behind them.
   constexpr std::span columns(csv_columns);
   std::vector<std::string> cells{std::string(columns[0])};
+  if (by_scene) cells.emplace_back(scene_column);
   std::map<std::string, std::string, std::less<>> base;  // values of the keys that vary
   for (const Axis& axis : plan.axes) {
     if (!axis.name.empty()) cells.push_back(axis.name);
@@ -537,22 +544,41 @@ void write_csv(const StudyPlan& plan, Store& store, const std::string& replay,
     auto values = base;
     const auto settings = parse_settings(text_of(row[7]));
     for (const KeySetting& s : settings) values[s.path] = to_string(s.value);
-    cells = {std::to_string(integer_of(row[0]))};
-    for (const Axis& axis : plan.axes) {
-      if (!axis.name.empty()) cells.push_back(axis_text(axis, settings));
-      for (const std::string& key : axis.keys) cells.push_back(values[key]);
-    }
-    cells.insert(cells.end(), {text_of(row[3]), std::to_string(integer_of(row[1]))});
     const std::string hash = text_of(row[2]);
-    const Metrics measured = store.metrics(hash).all;
-    for (const std::string& metric : metrics) {
-      const auto found = measured.find(metric);
-      cells.push_back(found == measured.end() ? std::string() : csv_number(found->second));
+    PointMetrics measured = store.metrics(hash);
+    if (!by_scene) measured.scenes = {{}};
+    for (const SceneMetrics& scene : measured.scenes) {
+      cells = {std::to_string(integer_of(row[0]))};
+      if (by_scene) cells.push_back(scene.scene);
+      for (const Axis& axis : plan.axes) {
+        if (!axis.name.empty()) cells.push_back(axis_text(axis, settings));
+        for (const std::string& key : axis.keys) cells.push_back(values[key]);
+      }
+      cells.insert(cells.end(), {text_of(row[3]), std::to_string(integer_of(row[1]))});
+      for (const std::string& metric : metrics) {
+        const bool is_of_scenes = std::ranges::any_of(
+            measured.scenes, [&](const SceneMetrics& s) { return s.metrics.contains(metric); });
+        const Metrics& from = is_of_scenes ? scene.metrics : measured.all;
+        const auto found = from.find(metric);
+        cells.push_back(found == from.end() ? std::string() : csv_number(found->second));
+      }
+      cells.insert(cells.end(), {csv_number(number_of(row[5])), text_of(row[6]), hash, text_of(row[4]),
+                                 fmt::format("{} {}", replay, hash)});
+      line(cells);
     }
-    cells.insert(cells.end(), {csv_number(number_of(row[5])), text_of(row[6]), hash, text_of(row[4]),
-                               fmt::format("{} {}", replay, hash)});
-    line(cells);
   }
+}
+
+}  // namespace
+
+void write_csv(const StudyPlan& plan, Store& store, const std::string& replay,
+               const std::function<void(std::string_view)>& write) {
+  write_rows(plan, store, replay, false, write);
+}
+
+void write_scenes_csv(const StudyPlan& plan, Store& store, const std::string& replay,
+                      const std::function<void(std::string_view)>& write) {
+  write_rows(plan, store, replay, true, write);
 }
 
 std::vector<std::string> differences(const ResultRows& stored, const ResultRows& measured) {

@@ -32,6 +32,7 @@ std::string scene_hash(const Scene& scene);
 // Returns the scene with all distances s between s_min and s_max stretched, evenly in log s, to s_min ..
 // s_min * ratio. The fog's distance is stretched with them. What is seen stays in its place; only the depths
 // spread out or close up. The picture is the same for any ratio, up to where triangles cross. ratio > 1.
+// Throws InputError for a scene with a projector or in passes.
 Scene with_s_ratio(Scene scene, double ratio);
 
 // Returns the scenes as a point's row has them: [{"name": "demo", "width": 640, "height": 480, "hash": ...}],
@@ -156,6 +157,11 @@ SweepResult run_sweep(const StudyPlan& plan, PointRunner& runner, Store& store, 
 // point again: `replay`, a blank, its hash. A named axis has a column of its own before its keys.
 void write_csv(const StudyPlan& plan, Store& store, const std::string& replay,
                const std::function<void(std::string_view)>& write);
+// The same with a line per point and scene: the column `scene` is behind i, and the metrics are of that scene
+// alone. What is not measured by scene, as costs, is of the point, and so are status and what follows the
+// metrics. A refused point has no line.
+void write_scenes_csv(const StudyPlan& plan, Store& store, const std::string& replay,
+                      const std::function<void(std::string_view)>& write);
 
 // Returns one line per difference: "metric span.u.max: stored 0.25, measured 0.5".
 std::vector<std::string> differences(const ResultRows& stored, const ResultRows& measured);

@@ -410,6 +410,38 @@ TEST_F(Study, PointsComeFromAFile) {
   EXPECT_EQ(folder.read("t.csv"), folder.read("s.csv"));
 }
 
+TEST_F(Study, ScenesHaveFlags) {
+  const auto lit = [&](const std::string& scenes, const std::string& rest = "") {
+    folder.write("s.toml", "[study]\nname = \"s\"\nbase = \"depth16\"\nsize = \"64x48\"\nscenes = [" +
+                               scenes +
+                               "]\nmetrics = [\"shadow.unexplained\", \"cost.register_bits\"]\n"
+                               "[[vary]]\nkeys = [\"project.unit\", \"depth.bits\"]\n"
+                               "values = [[\"reciprocal\", 15], [\"reciprocal\", 16]]\n" +
+                               rest);
+  };
+  const std::string lamp = "demo --shadow=-12,16,-2 --shadow-map 256 --shadow-bias=";
+  lit('"' + lamp + "0\", \"" + lamp + "auto\"");
+  const Result first = run("s.toml --csv-scenes s.csv");
+  EXPECT_EQ(first.code, 0) << first.err;
+  const std::string csv = folder.read("s.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5) << csv;
+  for (const char* bits : {"15", "16"}) {
+    const std::string at = std::string("auto\",reciprocal,") + bits + ",ok,1,0,";
+    EXPECT_NE(csv.find(at), std::string::npos) << csv;
+    EXPECT_EQ(csv.find("=0\",reciprocal," + std::string(bits) + ",ok,1,0,"), std::string::npos) << csv;
+  }
+  EXPECT_NE(run("--db s.db --replay " + hash("s.db")).out.find("the same, bit for bit"), std::string::npos);
+
+  lit("\"demo --shadw=1,2,3\"");
+  refused("s.toml", "flags of a scene: --shadw=1,2,3: ");
+  lit("\"demo --texture1=a.png\"");
+  refused("s.toml", "--texture1: the configuration gives");
+  lit('"' + lamp + "auto\"", "[report]\nbounds = true\n");
+  refused("s.toml", "s: report.bounds is of one view, and " + lamp + "auto is drawn in passes");
+  lit('"' + lamp + "auto\"", "[[vary]]\nkeys = [\"scene.s_ratio\"]\nvalues = [10]\n");
+  refused("s.toml", "scene.s_ratio would move what is projected");
+}
+
 TEST_F(Study, AnInterruptedSearchExportsWhatIsThere) {
   folder.write("s.toml", search_study("algorithm = \"annealing\"\nevaluations = 100000\n"));
   const Result stopped = interrupted("s.toml --threads 1 --csv out.csv");

@@ -14,7 +14,9 @@
 #include "report/error.hpp"
 #include "scene/demo.hpp"
 #include "scene/random.hpp"
+#include "scene/shadow.hpp"
 #include "study/truths.hpp"
+#include "tests/report/shadow_scenes.hpp"
 #include "tests/support/input_error.hpp"
 #include "tests/support/test_config.hpp"
 
@@ -59,6 +61,48 @@ TEST(Point, AgreesWithTheErrorMeter) {
     EXPECT_LE(metric("p999"), f.max);
     EXPECT_LE(std::fabs(metric("bias")), metric("mean"));
   }
+}
+
+// A picture with a shadow map, whose biases are those of the configuration.
+TEST(Point, OfAShadowMapIsJudgedByRays) {
+  Config config = shipped_config("depth16");
+  config.project = ProjectUnit::reciprocal;
+  const std::vector<Face> faces = box_above_floor();
+  const auto lit = [&](std::optional<double> bias, int depth_bits) {
+    Scene scene = shadowed(seen_scene(faces), faces,
+                           {.light = {-7, -9, 8}, .size = 256, .bias = bias, .depth_bits = depth_bits});
+    scene.name = "box";
+    return scene;
+  };
+  const PointResult raised = PointMeter({lit(0, 16), demo_scene(64, 48)}).measure(config);
+  EXPECT_GT(raised.metrics.at("shadow.unexplained"), 1000);
+  EXPECT_EQ(raised.metrics.at("shadow.unexplained"), raised.scenes[0].metrics.at("shadow.unexplained"));
+  EXPECT_FALSE(raised.scenes[1].metrics.contains("shadow.unexplained"));
+  EXPECT_TRUE(std::isfinite(raised.scenes[0].metrics.at("picture.psnr_db")));
+  EXPECT_FALSE(raised.scenes[0].metrics.contains("span.u.max"));
+  EXPECT_TRUE(raised.metrics.contains("span.u.max"));
+  EXPECT_GT(use_of(raised, "project.h").count, 0U);
+
+  int loaded = 0;
+  const LoadLit again = [&](const Scene& scene, const Config& of) {
+    ++loaded;
+    EXPECT_EQ(scene.name, "box");
+    return lit({}, of.depth_bits);
+  };
+  const PointMeter meter({lit(0, 16), demo_scene(64, 48)}, half_of_memory(), again);
+  const PointResult automatic = meter.measure(config);
+  EXPECT_EQ(loaded, 1) << "of what is drawn in passes alone";
+  EXPECT_EQ(automatic.metrics.at("shadow.unexplained"), 0);
+  EXPECT_GT(automatic.metrics.at("shadow.edges"), 50);
+  EXPECT_GT(automatic.metrics.at("shadow.judged"), 5000);
+  EXPECT_EQ(meter.ideal(config, 0)->color, drawn(config, lit({}, 16), "ideal").color);
+
+  config.project = ProjectUnit::none;
+  expect_refusal([&] { meter.measure(config); }, "project.unit = reciprocal");
+  Scene passes = demo_scene(64, 48);
+  passes.commands.push_back({.before = 0, .what = ViewChange{}});
+  expect_refusal([&] { PointMeter({passes}); },
+                 "a study measures one view, or a picture with one shadow map");
 }
 
 // The metrics of each scene are those of a meter that has it alone.

@@ -343,6 +343,9 @@ TEST(Sweep, StretchingKeepsThePictureAndTheOrder) {
   EXPECT_EQ(to.triangles[0].v[1].x, 8);
   EXPECT_EQ(to.triangles[0].v[1].u, 5);
   EXPECT_EQ(scene_hash(with_s_ratio(from, 100)), scene_hash(from));
+  Scene projected = from;
+  projected.projector.emplace();
+  EXPECT_THROW(with_s_ratio(projected, 10), InputError);
   const Scene demo = demo_scene(64, 48);
   for (const double ratio : {1.001, 10.0, 99999.0}) {
     const Scene s = with_s_ratio(demo, ratio);
@@ -416,6 +419,14 @@ TEST(Sweep, CsvHasARowAPoint) {
   text.clear();
   write_csv(all, *b.store, "x", [&](std::string_view s) { text += s; });
   EXPECT_TRUE(names(text, ",holds,cost.register_bits,span.u.max,span.v.max,seconds,")) << text;
+  // By scene: what is not measured by scene is of the point, and what is refused has no line.
+  text.clear();
+  write_scenes_csv(all, *b.store, "x", [&](std::string_view s) { text += s; });
+  EXPECT_TRUE(text.starts_with("i,scene,formats.span.h.word,depth.code,status,holds,cost.register_bits,"))
+      << text;
+  EXPECT_TRUE(names(text, "\r\n0,small,34,inverse,ok,1,34,0.0003814697265625,,")) << text;
+  EXPECT_FALSE(names(text, "\r\n1,")) << text;
+  EXPECT_TRUE(names(text, "\r\n2,small,30,inverse,ok,1,30,0.006103515625,,")) << text;
 }
 
 TEST(Sweep, DifferencesNameWhatDiffers) {
