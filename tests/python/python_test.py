@@ -513,6 +513,13 @@ class Errors(unittest.TestCase):
         cls.drawn = bitspan.render("demo", width=160, height=120)
         cls.metrics = bitspan.measure("depth16", "demo", 160, 120)
 
+    def test_rays_judge_a_shadow(self):
+        lit = bitspan.Config("depth16").with_({"project.unit": "reciprocal"})
+        for bias, are_wrong in ((None, False), (0, True)):
+            found = bitspan.measure(lit, bitspan.Scene("demo", 96, 72, shadow=(-12, 16, -2), shadow_map=256, shadow_bias=bias))
+            self.assertGreater(found["shadow.judged"], 3000)
+            self.assertEqual(found["shadow.unexplained"] > 0, are_wrong)
+
     def test_errors_of_records_are_those_of_the_study(self):
         for field, metric in (("span.u", "span.u"), ("span.v", "span.v"), ("span.h", "span.h"), ("depth.z", "depth.z")):
             error = self.drawn.error(field)
