@@ -88,6 +88,11 @@ std::string scene_hash(const Scene& scene) {
     for (const std::uint8_t code : scene.fog->color) h.byte(code);
     h.number(scene.fog->distance);
   }
+  if (scene.projector) {
+    h.text("projector");
+    h.number(scene.projector->s_min);
+    h.number(scene.projector->s_max);
+  }
   h.number(static_cast<std::uint64_t>(scene.textures.size()));
   for (const Texture& texture : scene.textures) {
     h.number(texture.width);
@@ -548,6 +553,10 @@ void write_rows(const StudyPlan& plan, Store& store, const std::string& replay, 
     PointMetrics measured = store.metrics(hash);
     if (!by_scene) measured.scenes = {{}};
     for (const SceneMetrics& scene : measured.scenes) {
+      for (const auto& [name, value] : scene.metrics) measured.all.erase(name);
+    }
+    for (SceneMetrics& scene : measured.scenes) {
+      scene.metrics.insert(measured.all.begin(), measured.all.end());
       cells = {std::to_string(integer_of(row[0]))};
       if (by_scene) cells.push_back(scene.scene);
       for (const Axis& axis : plan.axes) {
@@ -556,11 +565,8 @@ void write_rows(const StudyPlan& plan, Store& store, const std::string& replay, 
       }
       cells.insert(cells.end(), {text_of(row[3]), std::to_string(integer_of(row[1]))});
       for (const std::string& metric : metrics) {
-        const bool is_of_scenes = std::ranges::any_of(
-            measured.scenes, [&](const SceneMetrics& s) { return s.metrics.contains(metric); });
-        const Metrics& from = is_of_scenes ? scene.metrics : measured.all;
-        const auto found = from.find(metric);
-        cells.push_back(found == from.end() ? std::string() : csv_number(found->second));
+        const auto found = scene.metrics.find(metric);
+        cells.push_back(found == scene.metrics.end() ? std::string() : csv_number(found->second));
       }
       cells.insert(cells.end(), {csv_number(number_of(row[5])), text_of(row[6]), hash, text_of(row[4]),
                                  fmt::format("{} {}", replay, hash)});

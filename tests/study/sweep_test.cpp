@@ -346,6 +346,10 @@ TEST(Sweep, StretchingKeepsThePictureAndTheOrder) {
   Scene projected = from;
   projected.projector.emplace();
   EXPECT_THROW(with_s_ratio(projected, 10), InputError);
+  EXPECT_NE(scene_hash(projected), scene_hash(from));
+  Scene farther = projected;
+  farther.projector->s_max *= 2;
+  EXPECT_NE(scene_hash(farther), scene_hash(projected));
   const Scene demo = demo_scene(64, 48);
   for (const double ratio : {1.001, 10.0, 99999.0}) {
     const Scene s = with_s_ratio(demo, ratio);
