@@ -101,6 +101,11 @@ std::optional<double> surface_value(std::string_view name, const IdealPoint& p) 
   return channel == std::string_view::npos ? std::nullopt : std::optional(p.shade[channel]);
 }
 
+// The code of a projection in front of the bias, held to the codes that there are.
+double held_code(const Config& config, const IdealProjection& at) {
+  return std::clamp(at.z, 0.0, std::ldexp(1.0, config.depth_bits) - 1);
+}
+
 // Returns the quantity of that field of the record `project`; none behind the projector.
 std::optional<double> projected_value(std::string_view name, const Config& config, const Scene& scene,
                                       const IdealPoint& point) {
@@ -109,7 +114,7 @@ std::optional<double> projected_value(std::string_view name, const Config& confi
   if (name == "s") return at->s;
   if (name == "t") return at->t;
   if (name == "h") return at->h;
-  if (name == "z") return std::clamp(at->z, 0.0, std::ldexp(1.0, config.depth_bits) - 1);
+  if (name == "z") return held_code(config, *at);
   if (name != "ratio") return std::nullopt;
   int exponent = 0;  // s_max <= 2^exponent
   if (std::frexp(scene.projector->s_max, &exponent) == 0.5) --exponent;
@@ -454,13 +459,11 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
     for (; project < trace.project.size() && trace.project[project].triangle == index; ++project) {
       const ProjectRecord& r = trace.project[project];
       if (r.inside == 0) continue;  // nothing is looked up there
-      const auto at = [&](std::string_view name) {
-        return projected_value(name, config_, *scene_, truth.at(n, r.x, r.y).point);
-      };
-      if (!at("s")) continue;
-      note(row_project_s, r.s, *at("s"));
-      note(row_project_t, r.t, *at("t"));
-      note(row_project_z, r.z, *at("z"));
+      const auto at = ideal_projection(config_, *scene_, truth.at(n, r.x, r.y).point);
+      if (!at) continue;
+      note(row_project_s, r.s, at->s);
+      note(row_project_t, r.t, at->t);
+      note(row_project_z, r.z, held_code(config_, *at));
     }
     for (; texture < trace.texture.size() && trace.texture[texture].triangle == index; ++texture) {
       const TextureRecord& r = trace.texture[texture];

@@ -180,14 +180,17 @@ void write_visibility_map(const std::string& path, const VisibilityReport& repor
   write_heat_map(path, report.width, report.height, values, options);
 }
 
+bool goes_by_given_depth(const Config& config, const Scene& scene) {
+  return has_own_depth(config.depth_line) && std::ranges::any_of(scene.triangles, [](const Triangle& t) {
+           return std::ranges::any_of(t.v, [](const Vertex& v) { return v.z >= 0; });
+         });
+}
+
 std::string visibility_refusal(const Config& config, const Scene& scene) {
   if (has_x_step(config)) {
     return "raster.edge_walk: a dda's coverage is not that of the exact test; legal for oracles: exact";
   }
-  const bool gives_depth = std::ranges::any_of(scene.triangles, [](const Triangle& t) {
-    return std::ranges::any_of(t.v, [](const Vertex& v) { return v.z >= 0; });
-  });
-  if (has_own_depth(config.depth_line) && gives_depth) {
+  if (goes_by_given_depth(config, scene)) {
     return "depth.line: vertices give a depth of their own, and an oracle goes by the distance; legal for "
            "oracles: h";
   }

@@ -57,6 +57,9 @@ std::string visibility_text(const VisibilityReport& report);
 // The verdict per pixel as a PNG file: 0 equal, 1 tie, 2 unexplained; grey where nothing is compared.
 void write_visibility_map(const std::string& path, const VisibilityReport& report);
 
+// Whether depth is of a line that vertices give, and not of the distance.
+bool goes_by_given_depth(const Config& config, const Scene& scene);
+
 // Why no oracle draws the scene: one line that names the key or the command. Empty where the triangle seen
 // at each pixel is a matter of the nearest depth alone, but for fragments that are killed. Throws InputError
 // where the scene's commands are not legal.

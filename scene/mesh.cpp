@@ -171,6 +171,8 @@ int apply_alpha(const MeshMaterial& material, int image, TextureSet& textures, s
 Corner corner_of(const MeshCorner& from, const std::array<double, 4>& color, const std::string& path,
                  std::size_t face) {
   Corner corner{{from.position}, {from.u, from.v, from.color}};
+  corner.u2 = from.u2;
+  corner.v2 = from.v2;
   for (std::size_t i = 0; i < 4; ++i) corner.c[i] *= color[i];
   const Vec3& p = corner.position;
   if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z) || !is_finite(corner)) {
@@ -180,7 +182,8 @@ Corner corner_of(const MeshCorner& from, const std::array<double, 4>& color, con
   return {{corner.position}, clamped(corner)};
 }
 
-// Gives the faces of a mesh the image of the second texture unit, and their second coordinates.
+// Gives the faces of a mesh the image of the second texture unit, in whose texels their second coordinates
+// are then.
 void give_texture1(const MeshFile& file, const std::string& path, const std::string& image, Mesh& mesh) {
   std::size_t without = 0;
   mesh.texture1 = static_cast<int>(mesh.textures.size());
@@ -190,15 +193,9 @@ void give_texture1(const MeshFile& file, const std::string& path, const std::str
       ++without;
       continue;
     }
-    for (std::size_t i = 0; i < 3; ++i) {
-      const MeshCorner& from = file.triangles[f].corner[i];
-      Corner& corner = mesh.faces[f].corner[i];
-      corner.u2 = from.u2 * drawn.width;
-      corner.v2 = (1 - from.v2) * drawn.height;
-      if (!std::isfinite(corner.u2) || !std::isfinite(corner.v2)) {
-        throw InputError(path + ": a corner of face " + std::to_string(f) +
-                         " is not finite; expected finite second texture coordinates");
-      }
+    for (Corner& corner : mesh.faces[f].corner) {
+      corner.u2 *= drawn.width;
+      corner.v2 = (1 - corner.v2) * drawn.height;
     }
   }
   if (without == mesh.faces.size()) {

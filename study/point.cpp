@@ -163,8 +163,9 @@ Metrics shadow_metrics(const Config& config, const Scene& scene, const Frame& fr
 
 }  // namespace
 
-Scene lit_for(const Scene& scene, const Config& config, const LoadLit& lit) {
-  return lit && changes_scene(scene.commands) ? lit(scene, config) : scene;
+Scene lit_for(Scene scene, const Config& config, const LoadLit& lit) {
+  if (lit && changes_scene(scene.commands)) return lit(scene, config);
+  return scene;
 }
 
 PointMeter::PointMeter(std::vector<Scene> scenes, std::size_t truth_bytes, LoadLit lit)

@@ -51,7 +51,7 @@ struct PointResult {
 // Returns a scene with a shadow map as a configuration compares it: its biases are codes of depth.bits.
 using LoadLit = std::function<Scene(const Scene& scene, const Config& config)>;
 // The scene itself where there is no loader, or nothing is drawn in passes.
-Scene lit_for(const Scene& scene, const Config& config, const LoadLit& lit);
+Scene lit_for(Scene scene, const Config& config, const LoadLit& lit);
 
 class PointMeter {
  public:

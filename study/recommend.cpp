@@ -656,7 +656,7 @@ Examination examine(const StudyPlan& plan, const Recommendation& point, std::vec
   if (of.s_ratio) {
     for (Scene& scene : scenes) scene = with_s_ratio(std::move(scene), *of.s_ratio);
   }
-  for (Scene& scene : scenes) scene = lit_for(scene, config, lit);
+  for (Scene& scene : scenes) scene = lit_for(std::move(scene), config, lit);
 
   const std::vector<std::string> margins = margin_lines(plan, store.metrics(point.hash));
   out.lines = margins;

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "config/modes.hpp"
+#include "report/visibility.hpp"
 #include "study/bounds/error_analysis.hpp"
 #include "study/bounds/texts.hpp"
 
@@ -80,9 +81,7 @@ void check_scene(const Config& config, const Scene& scene) {
   if (changes_scene(scene.commands)) {
     throw InputError(scene.name + ": no bound is known for a scene whose view a command changes");
   }
-  if (has_own_depth(config.depth_line) && std::ranges::any_of(scene.triangles, [](const Triangle& t) {
-        return std::ranges::any_of(t.v, [](const Vertex& v) { return v.z >= 0; });
-      })) {
+  if (goes_by_given_depth(config, scene)) {
     throw InputError(
         fmt::format("depth.line: no bound is known for {} where vertices give it; legal for bounds: {}",
                     to_string(DepthLine::z), to_string(DepthLine::h)));

@@ -35,10 +35,10 @@ ErrorAnalysis::ProjectedLine ErrorAnalysis::projected_line(std::size_t j, const 
   const auto walk = [&](const Way& way, double change, double gradient, double slack, std::string_view unit) {
     WalkError w = walk_error(c_,
                              {F::project_step, F::project_acc, acc.fraction(), way.position_grid, "", 0,
-                              way.distance, way.additions, next_up(change), gradient, slack},
+                              way.distance, way.additions, change, gradient, slack},
                              way.slopes);
     w.any = w.any || (x_any_ && &way == &row_way_);
-    e.add(line_error(w, next_up(change), unit));
+    e.add(line_error(w, change, unit));
     overflow(e, w, F::project_acc, out.line, way.additions + 1);
   };
   walk(edge_way_, next_up(out.line.width() + e.total().width()), std::numeric_limits<double>::infinity(), 0,
