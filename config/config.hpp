@@ -55,6 +55,11 @@ BITSPAN_ENUM(FogMode, none, linear, table, distance, log, vertex);
 BITSPAN_ENUM(FogZone, r2, r);
 // The unit that divides the channels project_*: none; one that takes R_pixel of W.
 BITSPAN_ENUM(ProjectUnit, none, reciprocal);
+// Where the stage light forms a brightness: nowhere; once per triangle, of its first vertex [L4]; at the
+// vertices, between which the channel light runs [L5]; per pixel, of the channels nx, ny and nz [L6].
+BITSPAN_ENUM(LightAt, none, face, vertex, pixel);
+// What lights it takes: those that are far away, or those that stand somewhere, too.
+BITSPAN_ENUM(LightSource, parallel, point);
 // A cache between the pixel stages and a buffer: none; one whose writes go on to the memory at once; one that
 // keeps them until the line is replaced.
 BITSPAN_ENUM(BufferCacheMode, none, write_through, write_back);
@@ -77,6 +82,17 @@ struct Reciprocal {
   bool pipelined = true;   // accepts an operand each clock; else one at a time
   Format output;           // of the mantissa when normalised, of the reciprocal when not
   bool operator==(const Reciprocal&) const = default;
+};
+
+// The reciprocal square root of the stage light; docs/numeric-spec.md, "Reciprocal square root". The register
+// light.root is its output.
+struct RootUnit {
+  int operand_bits = 20;   // fraction bits kept of the normalised operand
+  int index_bits = 6;      // the table has 2^index_bits entries per octave, of two
+  int table_bits = 10;     // fraction bits of a table entry
+  int internal_bits = 24;  // fraction bits after each step
+  int steps = 2;           // Newton steps
+  bool operator==(const RootUnit&) const = default;
 };
 
 // A constant added to an accumulator's start value: half an ULP of the format the accumulator is
@@ -215,6 +231,12 @@ struct Config {
 
   // [project]
   ProjectUnit project = ProjectUnit::none;
+
+  // [light]
+  LightAt light = LightAt::none;
+  LightSource light_source = LightSource::parallel;
+  int light_index_bits = 9;  // the table of the highlight has 2^this intervals
+  RootUnit light_root;
 
   // [fog]
   FogMode fog = FogMode::table;

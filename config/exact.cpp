@@ -674,6 +674,59 @@ void project(const Config& c, List& list, const Unit& unit) {
   }
 }
 
+// The reciprocal square root, and what it makes of length 1.
+void unit_vector(const Config& c, List& list, const std::string& of, std::initializer_list<FormatId> made_of,
+                 Grid x, FormatId into) {
+  const RootUnit& root = c.light_root;
+  const std::string square = of + "." + of;
+  const Grid d = x * x + x * x + x * x;
+  list.value("light", square, made_of, d, into);
+  const Grid n{2, root.operand_bits, true};
+  Grid y{1, root.table_bits, true};
+  for (int step = 0; step < root.steps; ++step) {
+    const Grid inside{3, root.internal_bits, true};
+    list.value("light", "n y", {FormatId::light_root}, n * y, FormatId::light_root);
+    list.value("light", "n y y", {FormatId::light_root}, inside * y, FormatId::light_root);
+    list.value("light", "y (3 - n y y)", {FormatId::light_root}, y * inside, FormatId::light_root);
+    y = {1, root.internal_bits, true};
+  }
+  list.value("light", "y", {FormatId::light_root}, y, FormatId::light_root);
+  const Grid product = x * list.of(FormatId::light_root);
+  // 4^e <= d
+  list.value("light", of + " m 2^-e", made_of, product + scaled(product, d.integer / 2 + 1), into);
+  list.value("light", of + " m 2^-e", made_of, product + scaled(product, -(d.fraction + 1) / 2), into);
+}
+
+void light(const Config& c, List& list, Grid coordinate) {
+  const Grid cosine = list.of(F::light_cosine);
+  const Grid specular = list.of(F::light_specular);
+  const Grid value = list.of(F::light_value);
+  unit_vector(c, list, "N", {F::normal_value, F::light_root, F::light_normal}, list.of(F::normal_value),
+              F::light_normal);
+  const Grid place = list.of(F::light_position);
+  if (has_light_points(c)) {
+    const F s = lights_pixels(c.light) ? F::distance_s : F::setup_s;
+    const Grid across = coordinate - Grid{c.coordinate_bits, 1, true};
+    list.value("light", "x s k", {s, F::light_scale, F::light_position},
+               across * list.of(s) * list.of(F::light_scale), F::light_position);
+    list.value("light", "s", {s, F::light_position}, list.of(s), F::light_position);
+  }
+  unit_vector(c, list, "L", {F::light_position, F::light_root, F::light_direction},
+              has_light_points(c) ? place - place : place, F::light_direction);
+  const Grid both = list.of(F::light_normal) * list.of(F::light_direction);
+  list.value("light", "c = N.L", {F::light_normal, F::light_direction, F::light_cosine}, both + both + both,
+             F::light_cosine);
+  list.value("light", "g = Lz - 2 c Nz", {F::light_normal, F::light_direction, F::light_cosine},
+             list.of(F::light_direction) - scaled(cosine * list.of(F::light_normal), -1), F::light_cosine);
+  const Grid place_in_table{1, std::max(cosine.fraction - c.light_index_bits, 0), true};
+  list.value("light", "t_j + (t_j+1 - t_j) x", {F::light_cosine, F::light_specular},
+             specular + (specular - specular) * place_in_table, F::light_specular);
+  list.value("light", "V = kd c + ks spec + ka", {F::light_cosine, F::light_specular, F::light_value},
+             value * cosine + value * specular + value, F::light_value);
+  list.value("light", "r = r V", {F::texture_color, F::light_value}, list.of(F::texture_color) * value,
+             F::texture_color);
+}
+
 void texture_second(List& list) {
   const Grid code{8, 0, true};
   const Grid mix = list.of(F::texture_mix);
@@ -769,6 +822,7 @@ std::vector<ExactIntermediate> exact_intermediates(const Config& c) {
     project(c, list, {"reciprocal.pixel", c.pixel_reciprocal, positive(list.of(F::project_value))});
   }
   texture_second(list);
+  if (has_light(c.light)) light(c, list, coordinate);
   fog(c, list, pixel_unit);
   merge(list);
   return list.take();

@@ -36,6 +36,10 @@ enum class LineId : std::uint8_t {
   z,
   u2,
   v2,
+  nx,
+  ny,
+  nz,
+  light,
   count
 };
 inline constexpr int line_count = static_cast<int>(LineId::count);
@@ -141,6 +145,9 @@ constexpr Line line_of(LineId id, Perspective perspective) {
                 .gradient = gradient,
                 .row = {step, acc, consumer}};
   };
+  const auto normal = [&](std::string_view name) {
+    return channel(name, F::normal_vertex, F::normal_step, F::normal_acc, F::normal_grad, F::normal_value);
+  };
   // One that is homogeneous. Its products are walked in the accumulators' format.
   const auto homogeneous = [&](Line line, LineId divisor) {
     line.divisor = divisor;
@@ -189,6 +196,14 @@ constexpr Line line_of(LineId id, Perspective perspective) {
       return second_texture("u2");
     case LineId::v2:
       return second_texture("v2");
+    case LineId::nx:
+      return normal("nx");
+    case LineId::ny:
+      return normal("ny");
+    case LineId::nz:
+      return normal("nz");
+    case LineId::light:
+      return channel("light", F::light_vertex, F::light_step, F::light_acc, F::light_grad, F::light_value);
     case LineId::count:
       break;
   }
@@ -230,6 +245,12 @@ constexpr bool has_channel(const Config& config, LineId line) {
     case LineId::u2:
     case LineId::v2:
       return has_second_coordinates(config.second_coordinates);
+    case LineId::nx:
+    case LineId::ny:
+    case LineId::nz:
+      return lights_pixels(config.light);
+    case LineId::light:
+      return lights_vertices(config.light);
   }
   unreachable();
 }

@@ -387,6 +387,70 @@ constexpr bool divides_each_pixel(const Config& config) {
   return !has_linear_texture(config.perspective) && !has_subspans(config);
 }
 
+// ---------------------------------------------------------------- light
+
+// The stage light has records, in a view with a light.
+constexpr bool has_light(LightAt at) {
+  switch (at) {
+    case LightAt::none:
+      return false;
+    case LightAt::face:
+    case LightAt::vertex:
+    case LightAt::pixel:
+      return true;
+  }
+  unreachable();
+}
+// Its brightness is formed at vertices, and is the channel light between them.
+constexpr bool lights_vertices(LightAt at) {
+  switch (at) {
+    case LightAt::none:
+    case LightAt::pixel:
+      return false;
+    case LightAt::face:
+    case LightAt::vertex:
+      return true;
+  }
+  unreachable();
+}
+// Its brightness is that of the first vertex, all over the triangle.
+constexpr bool lights_faces(LightAt at) {
+  switch (at) {
+    case LightAt::none:
+    case LightAt::vertex:
+    case LightAt::pixel:
+      return false;
+    case LightAt::face:
+      return true;
+  }
+  unreachable();
+}
+// Its brightness is formed per pixel, of the channels nx, ny and nz.
+constexpr bool lights_pixels(LightAt at) {
+  switch (at) {
+    case LightAt::none:
+    case LightAt::face:
+    case LightAt::vertex:
+      return false;
+    case LightAt::pixel:
+      return true;
+  }
+  unreachable();
+}
+// Lights may stand somewhere.
+constexpr bool has_points(LightSource source) {
+  switch (source) {
+    case LightSource::parallel:
+      return false;
+    case LightSource::point:
+      return true;
+  }
+  unreachable();
+}
+constexpr bool has_light_points(const Config& config) {
+  return has_light(config.light) && has_points(config.light_source);
+}
+
 // ---------------------------------------------------------------- RTL
 
 // rtl/span_setup.sv starts rows so.
@@ -746,7 +810,7 @@ constexpr bool has_levels_in_rtl(const Config& config) { return has_lod(config) 
 // for.
 constexpr bool pixel_stages_are_in_rtl(const Config& config) {
   return is_in_rtl(config.depth_code) && is_in_rtl(config.filter) && is_in_rtl(config.wrap) &&
-         (!has_lod(config) || is_in_rtl(config.lod)) && is_in_rtl(config.fog);
+         (!has_lod(config) || is_in_rtl(config.lod)) && is_in_rtl(config.fog) && !has_light(config.light);
 }
 
 // ---------------------------------------------------------------- distance
@@ -757,7 +821,8 @@ constexpr bool has_true_distance(const Config& config) {
 }
 // The stage distance has records.
 constexpr bool has_distance(const Config& config) {
-  return has_true_distance(config) || takes_distance(config.fog);
+  return has_true_distance(config) || takes_distance(config.fog) ||
+         (lights_pixels(config.light) && has_points(config.light_source));
 }
 // s is formed, here or by lod for itself.
 constexpr bool has_s(const Config& config) { return has_distance(config) || has_lod_zones(config); }

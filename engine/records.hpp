@@ -220,6 +220,14 @@ std::optional<Format> format_of(const Field& field, const Config& config, std::i
   F(r, texture_color) F(g, texture_color) F(b, texture_color) F(a, texture_alpha)                          \
   I(killed) /* alpha 0 or the alpha test, of the combined alpha */
 
+// light: one per fragment that is drawn, in a view with a light. The vectors are 0 where the channel light is
+// the brightness.
+#define BITSPAN_LIGHT_RECORD(F, I, K)                                                                      \
+  I(triangle) I(x) I(y) F(nx, light_normal) F(ny, light_normal) F(nz, light_normal)                        \
+  F(lx, light_direction) F(ly, light_direction) F(lz, light_direction)                                     \
+  F(cosine, light_cosine) F(mirrored, light_cosine) F(specular, light_specular)                            \
+  F(value, light_value) F(r, texture_color) F(g, texture_color) F(b, texture_color)
+
 // fog: one per fragment that the texture did not kill.
 #define BITSPAN_FOG_RECORD(F, I, K)                                                                        \
   I(triangle) I(x) I(y) I(index) /* of a table, -1 in modes without */                                     \

@@ -17,6 +17,11 @@ bool asks_for(const Scene& scene, LineId channel) {
     case LineId::project_y:
     case LineId::project_w:
       return scene.projector.has_value();
+    case LineId::nx:
+    case LineId::ny:
+    case LineId::nz:
+    case LineId::light:
+      return scene.light.has_value();
     case LineId::shade_r:
     case LineId::shade_g:
     case LineId::shade_b:
@@ -86,6 +91,14 @@ std::int64_t channel_at(LineId channel, const Vertex& vertex, Quad h, const Cons
       return narrowed(vertex.u2);
     case LineId::v2:
       return narrowed(vertex.v2);
+    case LineId::nx:
+      return narrowed(vertex.nx);
+    case LineId::ny:
+      return narrowed(vertex.ny);
+    case LineId::nz:
+      return narrowed(vertex.nz);
+    case LineId::light:
+      return constants.light(vertex, q);
     case LineId::h:
     case LineId::fu:
     case LineId::fv:

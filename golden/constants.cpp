@@ -6,6 +6,7 @@
 
 #include "config/modes.hpp"
 #include "golden/channel.hpp"
+#include "golden/light.hpp"
 #include "golden/quantize.hpp"
 
 namespace bitspan::golden {
@@ -84,6 +85,7 @@ Constants make_constants(const Config& config, const Scene& scene) {
                 .fog_scale = q_fog.raw(fog_scale)};
   out.channels = channels_in_use(config, scene);
   if (scene.fog) out.fog_distance = scene.fog->distance;
+  if (scene.light && lights_vertices(config.light)) out.light = make_vertex_light(config, exponent, scene);
   if (scene.projector && has_project(config.project)) {
     const Range of = range_of(config, scene.projector->s_min, scene.projector->s_max, "projector");
     out.projector = {.s_exponent = of.exponent, .s_max = q_s.raw(of.s_max), .b = q_b.raw(of.b)};

@@ -2,12 +2,14 @@
 // Stage `constants`: computed once per scene.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
 #include "config/config.hpp"
 #include "config/lines.hpp"
 #include "engine/records.hpp"
+#include "golden/quantize.hpp"
 #include "scene/scene.hpp"
 
 namespace bitspan::golden {
@@ -19,6 +21,9 @@ struct ProjectorConstants {
   std::int64_t b = 0;      // B_p, raw on setup.b
 };
 
+// The brightness of a vertex, as a raw value of q.
+using VertexLight = std::function<std::int64_t(const Vertex& vertex, const Quantizer<Quad>& q)>;
+
 struct Constants {
   ConstantsRecord record;
   int s_exponent = 0;                           // E: s is normalised by 2^-E
@@ -26,6 +31,7 @@ struct Constants {
   double z_max = 0;                             // 2^depth.bits - 1
   double fog_distance = 1;                      // DT, where the scene has fog
   std::optional<ProjectorConstants> projector;  // where the scene has one, and the configuration its unit
+  VertexLight light;                            // where the channel light is in use
 };
 
 // Throws InputError where the scene's range of s, its projector's, or its fog distance does not fit the

@@ -16,6 +16,7 @@
 #include "golden/edge_walk.hpp"
 #include "golden/fog.hpp"
 #include "golden/lanes.hpp"
+#include "golden/light.hpp"
 #include "golden/lines.hpp"
 #include "golden/lod.hpp"
 #include "golden/mask.hpp"
@@ -187,6 +188,9 @@ class GoldenEngine final : public Engine, public RowEngine {
       project_ = make_project(with(precision_.project), config_, constants_);
     }
     depth_ = make_depth(with(precision_.depth), config_, constants_);
+    light_ = has_light(config_.light) && scene.light
+                 ? make_light(with(precision_.light), config_, constants_, scene)
+                 : LightStage();
     fog_ = make_fog(with(precision_.fog), config_, constants_, scene);
   }
   // Prepares what the scene has become since that version.
@@ -374,6 +378,7 @@ class GoldenEngine final : public Engine, public RowEngine {
     for (std::size_t i = 0; i < alive_.size() && !constants_.channels.empty(); ++i) {
       alive_channels_.push_back(channels_of(*alive_[i], out));
     }
+    if (light_) run_light(out);
     const std::size_t first_fog = out.fog.size();
     fog_(alive_, textures_, distances_, alive_channels_, out.fog);
     const std::size_t first_merge = out.merge.size();
@@ -500,6 +505,21 @@ class GoldenEngine final : public Engine, public RowEngine {
     if (!depths_.empty()) depths_.resize(kept);
   }
 
+  // Leaves in textures_ what fog reads.
+  void run_light(Trace& out) {
+    const std::size_t first = out.light.size();
+    light_(alive_, textures_, distances_, alive_channels_, out.light);
+    lit_.clear();
+    for (std::size_t i = 0; i < textures_.size(); ++i) {
+      const LightRecord& light = out.light[first + i];
+      TextureRecord& record = lit_.emplace_back(*textures_[i]);
+      record.r = light.r;
+      record.g = light.g;
+      record.b = light.b;
+    }
+    for (std::size_t i = 0; i < textures_.size(); ++i) textures_[i] = &lit_[i];
+  }
+
   // Leaves in combined_ what the first unit's records are behind the second one. lods: none without mip
   // chains.
   void run_texture_second(std::span<const TextureRecord> firsts, std::span<const LodRecord> lods,
@@ -570,6 +590,7 @@ class GoldenEngine final : public Engine, public RowEngine {
   MipTextureStage mip_texture_;
   ProjectStage project_;
   TextureSecondStage texture_second_;
+  LightStage light_;  // where it is on
   FogStage fog_;
   MergeStage merge_;
   SceneLevels levels_;
@@ -586,8 +607,8 @@ class GoldenEngine final : public Engine, public RowEngine {
   // The fragments of a batch that are alive, and their records.
   std::vector<const FragmentRecord*> alive_;
   std::vector<const DepthRecord*> depths_;
-  std::vector<const TextureRecord*> textures_;  // behind both texture units
-  std::vector<TextureRecord> combined_;
+  std::vector<const TextureRecord*> textures_;  // behind both texture units, and light
+  std::vector<TextureRecord> combined_, lit_;
   std::vector<const DistanceRecord*> distances_;              // where there are any
   std::vector<const FragmentChannelRecord*> alive_channels_;  // the first of each, where any are in use
   std::vector<FragmentRecord> tested_;

@@ -39,6 +39,43 @@ long double line_at(const Config& config, const Scene& scene, const Corner& corn
   return depth_code(config, scene, 1 / corner.s);
 }
 
+std::array<double, 3> of_length_1(const std::array<double, 3>& x) {
+  const double size = std::hypot(x[0], x[1], x[2]);
+  if (size == 0) return x;
+  return {x[0] / size, x[1] / size, x[2] / size};
+}
+
+// The light of a surface with that normal, seen at a place of the picture. [L1, L2, SH1]
+IdealLight light_on(const Scene& scene, const std::array<double, 3>& normal, double x, double y, double s) {
+  const Light& light = *scene.light;
+  std::array<double, 3> to = light.place;
+  if (light.is_point) {
+    to[0] -= (x - scene.width / 2.0) * s / scene.focal;
+    to[1] -= (y - scene.height / 2.0) * s / scene.focal;
+    to[2] -= s;
+  }
+  IdealLight out;
+  out.normal = of_length_1(normal);
+  out.direction = of_length_1(to);
+  for (std::size_t i = 0; i < 3; ++i) out.cosine += out.normal[i] * out.direction[i];
+  out.mirrored = out.direction[2] - 2 * out.cosine * out.normal[2];
+  out.value = light.ambient;
+  if (out.cosine <= 0) return out;
+  if (out.mirrored > 0) out.specular = std::pow(std::min(out.mirrored, 1.0), light.exponent);
+  out.value += (1 - light.ambient - light.specular) * out.cosine + light.specular * out.specular;
+  return out;
+}
+
+// The brightness of a vertex, or of the first one for all.
+double brightness_at(const Config& config, const Scene& scene, const IdealTriangle& t, std::size_t vertex) {
+  const Corner* corner = &t.v[vertex];
+  if (lights_faces(config.light)) corner = &*std::ranges::find(t.v, 0, &Corner::place);
+  const auto pixels = [&](std::int64_t at) { return std::ldexp(static_cast<double>(at), -t.subpixel_bits); };
+  return light_on(scene, {corner->given.nx, corner->given.ny, corner->given.nz}, pixels(corner->x),
+                  pixels(corner->y), static_cast<double>(corner->s))
+      .value;
+}
+
 IdealPoint blend(const Config& config, const Scene& scene, const IdealTriangle& t,
                  const std::array<long double, 3>& weight) {
   long double q = 0;
@@ -78,6 +115,12 @@ IdealPoint blend(const Config& config, const Scene& scene, const IdealTriangle& 
   out.u2 = static_cast<double>(second[0] / q);
   out.v2 = static_cast<double>(second[1] / q);
   out.line = own_depth ? static_cast<double>(line) : out.h;
+  if (scene.light && lights_vertices(config.light)) {
+    out.brightness = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      out.brightness += static_cast<double>(weight[i]) * brightness_at(config, scene, t, i);
+    }
+  }
   for (std::size_t j = 0; j < 4; ++j) out.shade[j] = static_cast<double>(perspective ? c[j] / q : c[j]);
   return out;
 }
@@ -485,11 +528,17 @@ IdealFragment shade(const Config& config, const DrawState& state, const Scene& s
   for (std::size_t c = 0; c < 3; ++c) out.color[c] = out.texel[c] * point.shade[c];
   if (has_second_texture(state)) combine(config, state, scene, levels, out);
   out.killed = out.killed || (golden::kills_zero(state) && out.alpha == 0);
+  if (scene.light && lights_pixels(config.light)) {
+    out.light = light_on(scene, {point.given.nx, point.given.ny, point.given.nz}, point.x, point.y, point.s);
+  } else {
+    out.light.value = point.brightness;
+  }
+  for (std::size_t c = 0; c < 3; ++c) out.lit[c] = out.color[c] * out.light.value;
   out.fog_factor = fog_factor(config, scene, point);
   for (std::size_t c = 0; c < 3; ++c) {
     const double fog = scene.fog ? scene.fog->color[c] : 0;
-    out.fogged[c] = fog + (out.color[c] - fog) * out.fog_factor;
-    if (out.fog_factor == 1) out.fogged[c] = out.color[c];
+    out.fogged[c] = fog + (out.lit[c] - fog) * out.fog_factor;
+    if (out.fog_factor == 1) out.fogged[c] = out.lit[c];
   }
   return out;
 }

@@ -32,6 +32,7 @@ struct IdealPoint {
   std::array<double, 3> project{};  // X, Y and W of given_attributes, linear in space
   double u2 = 0, v2 = 0;            // the same
   double line = 0;                  // what the depth code is of: h, or the line z
+  double brightness = 1;            // at vertices, and linear between them; where light.at is face or vertex
 };
 
 // Where a point lies in the texture of the scene's projector, and its depth code from there.
@@ -56,6 +57,15 @@ IdealPoint ideal_on_edge(const Config& config, const Scene& scene, const IdealTr
 IdealPoint ideal_at_vertex(const Config& config, const Scene& scene, const IdealTriangle& triangle,
                            int vertex);
 
+// The light of a surface; the vectors have length 1, or are 0.
+struct IdealLight {
+  std::array<double, 3> normal{}, direction{};
+  double cosine = 0;    // of normal and direction
+  double mirrored = 0;  // of the direction to the viewer and the mirrored light
+  double specular = 0;  // the highlight
+  double value = 1;     // brightness
+};
+
 // The fragment of pixel (x, y), through texture and fog.
 struct IdealFragment {
   IdealPoint point;                // at the pixel's centre
@@ -65,6 +75,8 @@ struct IdealFragment {
   std::array<double, 4> texel{};   // V: colour codes 0..255, and alpha 0..1
   std::array<double, 3> color{};   // V times shade, colour codes
   double alpha = 1;                // of texel and shade
+  IdealLight light;                // in a view with one
+  std::array<double, 3> lit{};     // the colour, times the light
   double fog_factor = 1;           // share of the object's own colour
   std::array<double, 3> fogged{};  // colour codes
   bool killed = false;             // by the transparent code or alpha 0

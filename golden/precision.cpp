@@ -242,6 +242,7 @@ class Chooser {
     out_.texture = texture();
     if (has_project(c_.project)) out_.project = project();
     out_.texture_second = texture_second();
+    if (has_light(c_.light)) out_.light = light();
     out_.fog = fog();
     out_.merge = merge();
     return out_;
@@ -823,6 +824,59 @@ class Chooser {
         f(FormatId::texture_color));
     s.q_sum("C (1 - F) + CC F", {term(product(color, rest)), term(s.exact("CC F", product(code, alpha)))},
             f(FormatId::texture_color));
+    return s.choose();
+  }
+
+  // X / |X| by the reciprocal square root.
+  void unit_vector(StageNeeds& s, const std::string& x, Range of, FormatId into) const {
+    const RootUnit& root = c_.light_root;
+    const Range square = product(of, of);
+    const Range d = s.exact(x + "." + x, sum(sum(square, square), square));
+    const Range n = s.exact("n", {-root.operand_bits, 2});
+    Range y{-root.table_bits, 1};
+    const Range inside{-root.internal_bits, 3};
+    for (int step = 0; step < root.steps; ++step) {
+      s.exact("n y", product(n, y));
+      s.exact("n y y", product(inside, y));
+      s.exact("y (3 - n y y)", product(y, inside));
+      y = {-root.internal_bits, 1};
+    }
+    const Range m = reg(s, FormatId::light_root);
+    reg(s, into);
+    // 4^e <= d
+    const InverseRange inverse{m, (d.lo - 1) / 2, d.hi / 2 + 1};
+    s.q_product(x + " m 2^-e", inverse.times(of), f(into));
+  }
+
+  Width light() {
+    StageNeeds s("light", out_.rows);
+    const Range color = reg(s, FormatId::texture_color);
+    const Range value = reg(s, FormatId::light_value);
+    const Range specular = reg(s, FormatId::light_specular);
+    const Range cosine = reg(s, FormatId::light_cosine);
+    const Range normal = range_of(f(FormatId::light_normal));
+    const Range direction = range_of(f(FormatId::light_direction));
+    const Range place = reg(s, FormatId::light_position);
+    reg(s, FormatId::light_direction);
+    unit_vector(s, "N", reg(s, FormatId::normal_value), FormatId::light_normal);
+    if (has_light_points(c_)) {
+      // The focal length moves the point alone.
+      const Range along = reg(s, FormatId::distance_s);
+      const Range scale = reg(s, FormatId::light_scale);
+      const Range across = s.exact("x s", product(centre_, along));
+      s.exact("x s k", product(across, scale));
+      unit_vector(s, "L", s.exact("Lp - P", sum(place, place)), FormatId::light_direction);
+    }
+    const Range both = product(normal, direction);
+    s.exact("N.L", sum(sum(both, both), both));
+    const Range turned = product({cosine.lo + 1, cosine.hi + 1}, normal);
+    s.exact("Lz - 2 c Nz", sum(direction, turned));
+    const Range share{std::min(cosine.lo + c_.light_index_bits, 0), c_.light_index_bits + 1};
+    s.exact("g 2^n", share);
+    const Range rise = s.exact("t_j+1 - t_j", sum(specular, specular));
+    s.exact("t_j + (t_j+1 - t_j) x", sum(specular, product(rise, {share.lo, 0})));
+    s.exact("kd c + ks spec + ka", sum(sum(value, product(value, cosine)), product(value, specular)));
+    s.q_product("r V", term(color, value), f(FormatId::texture_color));
     return s.choose();
   }
 

@@ -43,6 +43,7 @@ struct Precision {
   Width lod = Width::quad;       // where textures have mip chains
   Width texture = Width::quad;
   Width project = Width::quad;  // where the second unit takes a projector's coordinates
+  Width light = Width::quad;    // where a view has a light
   Width texture_second = Width::quad;
   Width fog = Width::quad;
   Width merge = Width::quad;

@@ -23,6 +23,7 @@ class Setup {
         b_(Quantizer<Real>(config.format(FormatId::setup_b)).value(constants.record.b)),
         s_exponent_(constants.s_exponent),
         s_scale_(std::ldexp(1.0, -s_exponent_)),
+        by_first_(lights_faces(config.light)),
         constants_(constants) {
     for (const LineId id : constants.channels) {
       const Line line = line_of(id, config.perspective);
@@ -35,7 +36,7 @@ class Setup {
     std::array<VertexValues<Real>, 3> v;
     for (std::size_t i = 0; i < 3; ++i) {
       // In its place behind those that do not come after it.
-      const VertexValues<Real> vertex = quantise(triangle.v[i]);
+      const VertexValues<Real> vertex = quantise(triangle.v[i], triangle.v[0]);
       std::size_t at = i;
       for (; at > 0 && comes_before(vertex, v[at - 1]); --at) v[at] = v[at - 1];
       v[at] = vertex;
@@ -76,7 +77,8 @@ class Setup {
     return Real(x != 0 && std::fabs(x) < tiny ? std::copysign(tiny, x) : x);
   }
 
-  VertexValues<Real> quantise(const Vertex& in) const {
+  // first: the triangle's, whose brightness a face has.
+  VertexValues<Real> quantise(const Vertex& in, const Vertex& first) const {
     VertexValues<Real> out;
     out.x = vertex_.xy(input(in.x));
     out.y = vertex_.xy(input(in.y));
@@ -94,8 +96,10 @@ class Setup {
                 narrowed(LineId::b, in.c[2]),
                 narrowed(LineId::a, in.c[3])};
     for (const Channel& channel : channels_) {
-      out.line[index_of(channel.line.id)] = vertex_[channel.line.id].value(
-          channel_at(channel.line.id, in, Quad(base_of(h)), constants_, channel.q_vertex));
+      const LineId id = channel.line.id;
+      const Vertex& from = by_first_ && id == LineId::light ? first : in;
+      out.line[index_of(id)] =
+          vertex_[id].value(channel_at(id, from, Quad(base_of(h)), constants_, channel.q_vertex));
     }
     return out;
   }
@@ -105,6 +109,7 @@ class Setup {
   Real s_max_, b_;
   int s_exponent_;
   double s_scale_;
+  bool by_first_;
   Constants constants_;
   std::vector<Channel> channels_;
 };

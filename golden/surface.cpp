@@ -22,6 +22,7 @@ std::optional<IdealTriangle> ideal_triangle(const Config& config, const Triangle
     corner.u = in.u;
     corner.v = in.v;
     corner.given = static_cast<const Attributes&>(in);
+    corner.place = static_cast<int>(i);
     std::copy(in.c.begin(), in.c.end(), corner.c.begin());
   }
   std::stable_sort(out.v.begin(), out.v.end(),

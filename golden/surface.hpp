@@ -21,6 +21,7 @@ struct IdealTriangle {
     long double s = 1, u = 0, v = 0;
     std::array<long double, 4> c{};
     Attributes given;  // of given_attributes
+    int place = 0;     // among the triangle's, from 0
   };
   std::array<Corner, 3> v;
   int subpixel_bits = 0;

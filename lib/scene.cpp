@@ -171,8 +171,26 @@ std::shared_ptr<SceneState> described(Scene scene) {
   }
   for (const Triangle& triangle : state->scene.triangles) {
     for (const Vertex& v : triangle.v) {
-      state->vertices.push_back({sizeof(bs_vertex), v.x, v.y, v.s, v.u, v.v, v.c[0], v.c[1], v.c[2], v.c[3],
-                                 v.fog, v.project_x, v.project_y, v.project_w, v.z, v.u2, v.v2});
+      state->vertices.push_back({sizeof(bs_vertex),
+                                 v.x,
+                                 v.y,
+                                 v.s,
+                                 v.u,
+                                 v.v,
+                                 v.c[0],
+                                 v.c[1],
+                                 v.c[2],
+                                 v.c[3],
+                                 v.fog,
+                                 v.project_x,
+                                 v.project_y,
+                                 v.project_w,
+                                 v.z,
+                                 v.u2,
+                                 v.v2,
+                                 v.nx,
+                                 v.ny,
+                                 v.nz});
     }
     state->texture_of.push_back(triangle.texture);
   }
@@ -197,6 +215,13 @@ bs_scene_desc describe(const SceneState& state) {
     out.has_projector = 1;
     out.projector_s_min = scene.projector->s_min;
     out.projector_s_max = scene.projector->s_max;
+  }
+  if (scene.light) {
+    out.light_kind = scene.light->is_point ? 2 : 1;
+    out.light_exponent = scene.light->exponent;
+    std::ranges::copy(scene.light->place, out.light);
+    out.light_ambient = scene.light->ambient;
+    out.light_specular = scene.light->specular;
   }
   out.textures = state.textures.data();
   out.texture_count = state.textures.size();
@@ -302,6 +327,16 @@ Scene scene_from(const bs_scene_desc* from) {
     scene.fog->distance = d.fog_distance;
   }
   if (d.has_projector == 1) scene.projector = {d.projector_s_min, d.projector_s_max};
+  if (d.light_kind < 0 || d.light_kind > 2) {
+    fail(BS_BAD_INPUT, what + ".light_kind: " + std::to_string(d.light_kind) + "; expected 0, 1 or 2");
+  }
+  if (d.light_kind != 0) {
+    scene.light = Light{.is_point = d.light_kind == 2,
+                        .place = {d.light[0], d.light[1], d.light[2]},
+                        .ambient = d.light_ambient,
+                        .specular = d.light_specular,
+                        .exponent = d.light_exponent};
+  }
   check_scene(scene, what);
   if (d.texture_count != 0) need(d.textures, (what + ".textures").c_str());
   if (d.texture_count > texture_count_limit) {
@@ -332,9 +367,20 @@ Triangle triangle_from(const bs_vertex* vertices, std::size_t i, std::int32_t te
                                std::to_string(static_cast<int>(coordinate_limit)));
       }
     }
-    out.v[corner] = {
-        {v.x, v.y, v.s},
-        {v.u, v.v, {v.r, v.g, v.b, v.a}, v.fog, v.project_x, v.project_y, v.project_w, v.z, v.u2, v.v2}};
+    out.v[corner] = {{v.x, v.y, v.s},
+                     {v.u,
+                      v.v,
+                      {v.r, v.g, v.b, v.a},
+                      v.fog,
+                      v.project_x,
+                      v.project_y,
+                      v.project_w,
+                      v.z,
+                      v.u2,
+                      v.v2,
+                      v.nx,
+                      v.ny,
+                      v.nz}};
   }
   check_texture(scene, texture, function);
   out.texture = texture;

@@ -57,6 +57,7 @@ void prepare_view(Pipeline& p, const Config& config, const Scene& scene, Watch w
   if (p.has_distance) p.distance = prepare_distance(config, p.constants, scene, watch);
   if (p.has_lod) p.lod = prepare_lod(config, p.constants, watch);
   p.project = prepare_project(config, p.constants, scene);
+  p.light = prepare_light(config, p.constants, scene, watch);
   p.fog = prepare_fog(config, p.constants, scene, watch);
 }
 

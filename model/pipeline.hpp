@@ -24,6 +24,7 @@
 #include "model/stages/distance.hpp"
 #include "model/stages/edge_walk.hpp"
 #include "model/stages/fog.hpp"
+#include "model/stages/light.hpp"
 #include "model/stages/lod.hpp"
 #include "model/stages/merge.hpp"
 #include "model/stages/plane_walk.hpp"
@@ -58,6 +59,7 @@ struct Pipeline {
   TextureStage texture;
   ProjectStage project;
   TextureSecondStage texture_second;
+  LightStage light;
   FogStage fog;
   MergeStage merge;
   StencilStage stencil;
@@ -67,8 +69,8 @@ struct Pipeline {
   // `state` differs from the first one in registers at most that it does not look at.
   bool acts_as_first = true;
 
-  // Without levels of textures, distances and gradients.
-  bool is_plain() const { return !has_lod && !has_distance && !has_gradients; }
+  // Without levels of textures, distances, gradients and light.
+  bool is_plain() const { return !has_lod && !has_distance && !has_gradients && !light.is_on; }
   // Whether the vector form draws its short way: in a state that acts as the first one does, to pixels whose
   // alpha is 255, in a plain pipeline.
   bool draws_in_lanes(const Frame& frame) const { return acts_as_first && frame.full_alpha && is_plain(); }
@@ -216,9 +218,10 @@ struct FragmentDrawing {
   StencilRecord stencilled{};
   DistanceRecord far{};
   LodRecord level{};
-  TextureRecord texel{};  // behind both units
+  TextureRecord texel{};  // behind both units, and light
   ProjectRecord projected{};
   TextureSecondRecord second{};
+  LightRecord shone{};
   FogRecord fogged{};
   MergeRecord merged{};
   FragmentRecord own{}, own_second{};  // where channels stand for fields
@@ -274,6 +277,11 @@ struct FragmentDrawing {
       if (!lives(fragment, drawn, channels) || !passes(fragment, drawn, at)) return;
     } else {
       if (!passes(fragment, drawn, at) || !lives(fragment, drawn, channels)) return;
+    }
+    if (pipeline.light.is_on) {
+      light(pipeline.light, fragment, far, light_channels(pipeline.channels, channels), texel, shone, watch);
+      finish(fragment, shone);
+      texel = lit(texel, shone);
     }
     fog(pipeline.fog, fragment, far, texel, fogged, watch, channels);
     finish(fragment, fogged);

@@ -121,6 +121,20 @@ std::optional<double> projected_value(std::string_view name, const Config& confi
   return std::ldexp(1 / at->w, exponent);
 }
 
+// Returns the quantity of that field of the record `light`; the parts of it are formed per pixel alone.
+std::optional<double> light_value(std::string_view name, const Config& config, const IdealFragment& f) {
+  if (name == "value") return f.light.value;
+  if (!lights_pixels(config.light)) return std::nullopt;
+  if (name == "cosine") return f.light.cosine;
+  if (name == "mirrored") return f.light.mirrored;
+  if (name == "specular") return f.light.specular;
+  if (name.size() != 2) return std::nullopt;
+  const std::size_t axis = std::string_view("xyz").find(name[1]);
+  if (axis == std::string_view::npos) return std::nullopt;
+  if (name[0] == 'n') return f.light.normal[axis];
+  return name[0] == 'l' ? std::optional(f.light.direction[axis]) : std::nullopt;
+}
+
 // Whether a command of the scene sets a register to a value that `differs` holds for.
 template <class Differs>
 bool sets(const Scene& scene, std::string_view key, Differs differs) {
@@ -213,7 +227,9 @@ std::optional<double> ideal_value(RecordType type, std::string_view field,
   }
   const auto channel = std::string_view("rgb").find(field);
   const bool is_channel = field.size() == 1 && channel != std::string_view::npos;
-  const bool is_color = type == RecordType::texture || (type == RecordType::fog && field != "factor");
+  if (type == RecordType::light && !is_channel) return light_value(field, config, f);
+  const bool is_color = type == RecordType::texture || type == RecordType::light ||
+                        (type == RecordType::fog && field != "factor");
   if (is_color && looks_up_otherwise(config, scene)) return std::nullopt;
   if (type == RecordType::texture && !f.killed) {
     const auto texel =
@@ -225,6 +241,9 @@ std::optional<double> ideal_value(RecordType type, std::string_view field,
       return f.alpha;
     }
     return is_channel ? std::optional(f.color[channel]) : std::nullopt;
+  }
+  if (type == RecordType::light && !f.killed) {
+    return combines_textures(scene) ? std::nullopt : std::optional(f.lit[channel]);
   }
   if (type == RecordType::fog && !f.killed) {
     if (field == "factor") {

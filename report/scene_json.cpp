@@ -106,6 +106,13 @@ Json scene_json(const Scene& s) {
     scene["fog"] = {{"color", s.fog->color}, {"distance", s.fog->distance}};
   }
   if (s.projector) scene["projector"] = {{"s_min", s.projector->s_min}, {"s_max", s.projector->s_max}};
+  if (s.light) {
+    scene["light"] = {{"is_point", s.light->is_point},
+                      {"place", s.light->place},
+                      {"ambient", s.light->ambient},
+                      {"specular", s.light->specular},
+                      {"exponent", s.light->exponent}};
+  }
   scene["textures"] = Json::array();
   for (const Texture& t : s.textures) {
     Json texture{{"name", t.name}, {"width", t.width}, {"height", t.height}};
@@ -148,6 +155,14 @@ Scene scene_of(const Json& json) {
     Projector& projector = scene.projector.emplace();
     json.at("projector").at("s_min").get_to(projector.s_min);
     json.at("projector").at("s_max").get_to(projector.s_max);
+  }
+  if (json.contains("light")) {
+    Light& light = scene.light.emplace();
+    json.at("light").at("is_point").get_to(light.is_point);
+    json.at("light").at("place").get_to(light.place);
+    json.at("light").at("ambient").get_to(light.ambient);
+    json.at("light").at("specular").get_to(light.specular);
+    json.at("light").at("exponent").get_to(light.exponent);
   }
   for (const Json& texture : json.at("textures")) {
     scene.textures.push_back(texture_of(texture));

@@ -861,6 +861,66 @@ void add_own_lines(std::vector<SuiteFeature>& out) {
       second(SecondCoordinates::own), second(SecondCoordinates::first));
 }
 
+// A light beside the viewer, and normals that turn from vertex to vertex; some triangles have none.
+void under_light(Scene& scene) {
+  two_textures(scene);
+  const double middle = std::sqrt(scene.s_min * scene.s_max);
+  scene.light = Light{.place = {-0.5 * middle, -0.75 * middle, -0.25 * middle},
+                      .ambient = 0.125,
+                      .specular = 0.375,
+                      .exponent = 12};
+  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+    if (i % 7 == 6) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto turn = static_cast<double>(3 * i + 5 * k);
+      set_normal(scene.triangles[i].v[k],
+                 of_length_1({std::sin(turn), std::cos(2 * turn), -0.5 - 0.25 * std::sin(3 * turn)}));
+    }
+  }
+}
+// The same light, at a point.
+void under_lamp(Scene& scene) {
+  under_light(scene);
+  scene.light->is_point = true;
+}
+
+void add_light(std::vector<SuiteFeature>& out) {
+  using enum RecordType;
+  struct Unit {
+    LightAt at = LightAt::pixel;
+    LightSource source = LightSource::parallel;
+    int index_bits = 9, steps = 2;
+    std::vector<Register> state{};
+  };
+  const auto set = [](const Unit& unit) {
+    return [unit, state = in_state(unit.state)](Config& c, Scene& s) {
+      c.light = unit.at;
+      c.light_source = unit.source;
+      c.light_index_bits = unit.index_bits;
+      c.light_root.steps = unit.steps;
+      state(c, s);
+    };
+  };
+  const auto add = [&](std::string name, RecordType stage, const Unit& with, const Unit& without,
+                       void (*scene)(Scene&)) {
+    out.push_back(in({std::move(name), stage, SuiteNeeds::effect, set(with), set(without)}, scene));
+  };
+  const auto point = LightSource::point;
+  for (const LightAt at : {LightAt::face, LightAt::vertex, LightAt::pixel}) {
+    const std::string_view name = to_string(at);
+    add(fmt::format("light_at.{}", name), fog, {.at = at}, {.at = LightAt::none}, under_light);
+    add(fmt::format("light_point.{}", name), fog, {.at = at, .source = point},
+        {.at = LightAt::none, .source = point}, under_lamp);
+  }
+  add("light_at.vertex_not_pixel", fog, {.at = LightAt::vertex}, {}, under_light);
+  add("light_table.coarse", light, {.index_bits = 2}, {}, under_light);
+  add("light_root.no_step", light, {.steps = 0}, {}, under_light);
+  add("light_late.pixel", fog, {.state = {{"depth.when", number(DepthWhen::late)}}},
+      {.at = LightAt::none, .state = {{"depth.when", number(DepthWhen::late)}}}, under_light);
+  add("light_second.pixel", fog, {.state = {{"texture1", 1}}},
+      {.at = LightAt::none, .state = {{"texture1", 1}}}, under_light);
+}
+
 void add_fog_and_merge(std::vector<SuiteFeature>& out) {
   out.push_back(in(choice("fog", &Config::fog, FogMode::linear, RecordType::fog, FogMode::none), fog));
   for (const auto& split : {std::pair{6, 4}, {8, 2}, {5, 0}}) {
@@ -912,6 +972,7 @@ std::vector<SuiteFeature> make_features() {
   add_second_texture(out);
   add_projection(out);
   add_own_lines(out);
+  add_light(out);
   add_lookups(out);
   add_level_choices(out);
   add_fog_and_merge(out);

@@ -25,7 +25,10 @@ enum class AttributeRange : std::uint8_t {
   X(project_w, any, 0) /* W, the distance along the projector's axis; where it is not above 0: outside */ \
   X(z, unit, -1)       /* depth of its own, linear on the screen, 0 nearest; else that of s */            \
   X(u2, any, 0)        /* texels of the second texture unit, where it has coordinates of its own */       \
-  X(v2, any, 0)
+  X(v2, any, 0)                                                                                           \
+  X(nx, any, 0) /* outward normal in the viewer's space, of any length up to 2 [L6]: to the right, */     \
+  X(ny, any, 0) /* downward and */                                                                        \
+  X(nz, any, 0) /* along the view axis; of length 0: only ambient light */
 
 // u, v in texels (texel centres at .5, v downward); c red, green, blue, alpha in 0..1; and what may be given.
 struct Attributes {

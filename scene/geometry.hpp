@@ -2,6 +2,7 @@
 // Geometry before projection: what meshes and the demo are made of.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -36,6 +37,21 @@ struct WorldPoint {
 };
 // A corner of a face.
 struct Corner : WorldPoint, Attributes {};
+
+// Of length 1; of length 0 where x is, or where a part of it is not finite.
+inline Vec3 of_length_1(const Vec3& x) {
+  // In front of the squares, which may leave the doubles.
+  const double largest = std::max({std::abs(x.x), std::abs(x.y), std::abs(x.z)});
+  if (!(largest > 0) || !std::isfinite(x.x) || !std::isfinite(x.y) || !std::isfinite(x.z)) return {};
+  const Vec3 y{x.x / largest, x.y / largest, x.z / largest};
+  return y * (1 / length(y));
+}
+inline Vec3 normal_of(const Attributes& a) { return {a.nx, a.ny, a.nz}; }
+inline void set_normal(Attributes& a, const Vec3& n) {
+  a.nx = n.x;
+  a.ny = n.y;
+  a.nz = n.z;
+}
 
 // Corners run counter-clockwise seen from outside.
 struct Face {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "scene/exact.hpp"
+#include "scene/geometry.hpp"
 #include "scene/plan.hpp"
 #include "scene/procedural.hpp"
 #include "scene/shadow.hpp"
@@ -414,6 +415,35 @@ void draw_projection(Random& random, Scene& scene) {
                                           state_setting("texture1.red", random.integer(0, 255))}};
     const auto at = std::ranges::find_if(scene.commands, [&](const DrawCommand& c) { return c.before > i; });
     scene.commands.insert(at, {.before = i, .what = change});
+  }
+}
+
+void draw_light(Random& random, Scene& scene, bool may_be_point) {
+  const auto direction = [&random] {
+    return Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+  };
+  Light& light = scene.light.emplace();
+  light.is_point = may_be_point && random.chance(0.75);
+  const double size =
+      light.is_point ? scene.s_max * random.log_uniform(0.01, 4) : random.log_uniform(1e-6, 1e6);
+  const Vec3 place = direction() * size;
+  light.place = {place.x, place.y, light.is_point ? std::abs(place.z) : place.z};
+  light.ambient = unit_value(random);
+  light.specular = unit_value(random) * (1 - light.ambient);
+  light.exponent = static_cast<int>(random.log_uniform(1, light_exponent_limit + 0.5));
+  for (Triangle& triangle : scene.triangles) {
+    if (random.chance(0.125)) continue;
+    // Of a face, or of each vertex; toward the viewer more often than not.
+    const bool is_flat = random.chance(0.25);
+    Vec3 normal{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (i == 0 || !is_flat) {
+        normal = direction();
+        if (random.chance(0.75)) normal.z = -std::abs(normal.z);
+        if (random.chance(0.75)) normal = of_length_1(normal);
+      }
+      set_normal(triangle.v[i], normal);
+    }
   }
 }
 

@@ -74,7 +74,11 @@ void draw_pass(Random& random, Scene& scene);
 // Nothing where it has no texture.
 void draw_projection(Random& random, Scene& scene);
 
-// Lets triangles of a scene give each of given_attributes but those of the projector with that probability.
+// Gives a scene a light, which may stand at a point, and most of its triangles normals.
+void draw_light(Random& random, Scene& scene, bool may_be_point);
+
+// Lets triangles of a scene give each of given_attributes but those of projector and light with that
+// probability.
 void draw_given_attributes(Random& random, Scene& scene, double probability);
 
 }  // namespace bitspan

@@ -215,6 +215,7 @@ Scene shadowed(Scene scene, std::span<const Face> casters, const ShadowOptions& 
                               .fog = std::optional<Fog>{},
                               .projector = std::optional<Projector>{}},
            .states = {{.settings = {state_setting("color.write", 0)}}}};
+  if (scene.light) map.view->light.emplace();
   ProjectReport report;
   project(casters, light, {.cull = false, .clip_sides = true}, map.triangles, report);
   if (map.triangles.empty()) return scene;  // the light sees nothing, so that everything is lit

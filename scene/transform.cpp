@@ -39,8 +39,12 @@ Vec3 in_view(const Vec3& point, const Viewpoint& view) {
 
 ClipVertex to_normalised(const Corner& corner, const Viewpoint& view) {
   const Vec3 p = in_view(corner.position, view);
-  return {{p.x * (2 * view.focal / view.width), p.y * (2 * view.focal / view.height), p.z},
-          static_cast<const Attributes&>(corner)};
+  ClipVertex out{{p.x * (2 * view.focal / view.width), p.y * (2 * view.focal / view.height), p.z},
+                 static_cast<const Attributes&>(corner)};
+  if (const Vec3 n = normal_of(corner); n != Vec3{}) {
+    set_normal(out, {dot(view.right, n), dot(view.down, n), dot(view.forward, n)});
+  }
+  return out;
 }
 
 }  // namespace bitspan

@@ -421,6 +421,34 @@ Projector read_projector(const Json& value, const Place& place, const std::strin
   return projector;
 }
 
+Light read_light(const Json& value, const Place& place, const std::string& inside) {
+  const std::string key = inside + "light";
+  constexpr std::string_view expected = R"({"direction": [x,y,z]} or {"position": [x,y,z]})";
+  if (!value.is_object())
+    place.fail(fmt::format("{}: {} is not an object; expected {}", key, shown(value), expected));
+  check_keys(value, {"direction", "position", "ambient", "specular", "exponent"}, place, key + ".");
+  Light light;
+  light.is_point = value.contains("position");
+  if (light.is_point == value.contains("direction")) {
+    place.fail(
+        fmt::format("{}: has {}; expected {}", key, light.is_point ? "both keys" : "neither key", expected));
+  }
+  const std::string at = light.is_point ? "position" : "direction";
+  const auto name = [&] { return key + "." + at; };
+  const Json& parts = array(value[at], 3, place, name, "[x, y, z]");
+  for (std::size_t i = 0; i < 3; ++i) light.place[i] = number(parts[i], place, name);
+  const auto share = [&](const char* of, double& to) {
+    if (value.contains(of)) to = number(value[of], place, [&] { return key + "." + of; });
+  };
+  share("ambient", light.ambient);
+  share("specular", light.specular);
+  if (value.contains("exponent")) {
+    light.exponent = integer(value["exponent"], 1, light_exponent_limit, place, (key + ".exponent").c_str());
+  }
+  if (const std::string fault = light_fault(light); !fault.empty()) place.fail(key + fault);
+  return light;
+}
+
 // codes: what the shadow has besides.
 ShadowOptions read_shadow(const Json& value, const Place& place, const ShadowOptions& codes) {
   ShadowOptions shadow = codes;
@@ -481,7 +509,7 @@ Scene read_header(const Json& line, const Place& place, const std::filesystem::p
   version = integer(line["bitspan"], 1, 2, place, "bitspan");
   check_keys(line,
              {"bitspan", "width", "height", "s_min", "s_max", "focal", "background", "color_max", "fog",
-              "projector", "shadow", "textures"},
+              "projector", "light", "shadow", "textures"},
              place, "");
   Scene scene;
   scene.width = integer(required(line, "width", place, "pixels"), 1, picture_size_limit, place, "width");
@@ -509,6 +537,10 @@ Scene read_header(const Json& line, const Place& place, const std::filesystem::p
   if (const auto found = line.find("projector"); found != line.end()) {
     if (version < 2) place.fail("projector: is not legal in version 1; expected \"bitspan\": 2");
     scene.projector = read_projector(*found, place, "");
+  }
+  if (const auto found = line.find("light"); found != line.end()) {
+    if (version < 2) place.fail("light: is not legal in version 1; expected \"bitspan\": 2");
+    scene.light = read_light(*found, place, "");
   }
   if (const auto found = line.find("shadow"); found != line.end()) {
     if (version < 2) place.fail("shadow: is not legal in version 1; expected \"bitspan\": 2");
@@ -684,12 +716,13 @@ bool truth(const Json& value, const Place& place, const char* key) {
 }
 
 ViewChange read_view(const Json& value, int color_max, const Place& place) {
-  constexpr std::string_view expected = "width, height, s_min, s_max, focal, background, fog or projector";
+  constexpr std::string_view expected =
+      "width, height, s_min, s_max, focal, background, fog, projector or light";
   if (!value.is_object()) {
     place.fail(fmt::format("view: {} is not an object; expected {{\"width\": 256, ...}}", shown(value)));
   }
-  check_keys(value, {"width", "height", "s_min", "s_max", "focal", "background", "fog", "projector"}, place,
-             "view.");
+  check_keys(value, {"width", "height", "s_min", "s_max", "focal", "background", "fog", "projector", "light"},
+             place, "view.");
   if (value.empty()) place.fail(fmt::format("view: no key; expected {}", expected));
   ViewChange change;
   for (const auto& [key, part] : value.items()) {
@@ -708,6 +741,10 @@ ViewChange read_view(const Json& value, int color_max, const Place& place) {
     if (key == "projector") {
       change.projector.emplace();
       if (!part.is_null()) *change.projector = read_projector(part, place, "view.");
+    }
+    if (key == "light") {
+      change.light.emplace();
+      if (!part.is_null()) *change.light = read_light(part, place, "view.");
     }
   }
   return change;
@@ -911,8 +948,15 @@ Json texture_entry(const Texture& texture, const std::string& name) {
   return out;
 }
 
+Json light_json(const Light& light) {
+  return {{light.is_point ? "position" : "direction", light.place},
+          {"ambient", light.ambient},
+          {"specular", light.specular},
+          {"exponent", light.exponent}};
+}
+
 std::string header_text(const Scene& scene, std::span<const std::string> names) {
-  const bool second = !scene.commands.empty() || scene.projector ||
+  const bool second = !scene.commands.empty() || scene.projector || scene.light ||
                       std::ranges::any_of(scene.textures, is_formatted) ||
                       std::ranges::any_of(scene.triangles, gives_more);
   const int version = second ? 2 : 1;
@@ -939,6 +983,7 @@ std::string header_text(const Scene& scene, std::span<const std::string> names) 
     append_number(out, scene.projector->s_max);
     out += '}';
   }
+  if (scene.light) out += ",\"light\":" + light_json(*scene.light).dump();
   if (!names.empty()) {
     out += ",\"textures\":";
     Json entries = Json::array();
@@ -1056,6 +1101,7 @@ Json line_of(const ViewChange& change) {
       projector = {{"s_min", (*change.projector)->s_min}, {"s_max", (*change.projector)->s_max}};
     }
   }
+  if (change.light) view["light"] = *change.light ? light_json(**change.light) : Json();
   return {{"view", view}};
 }
 
@@ -1397,6 +1443,9 @@ void check_scene(const Scene& scene, const std::string& origin) {
       !(positive_finite(scene.projector->s_min) && positive_finite(scene.projector->s_max) &&
         scene.projector->s_min < scene.projector->s_max)) {
     place.fail("projector.s_min: is not legal; expected 0 < s_min < s_max");
+  }
+  if (scene.light) {
+    if (const std::string fault = light_fault(*scene.light); !fault.empty()) place.fail("light" + fault);
   }
   std::size_t least = 0;
   for (const DrawCommand& command : scene.commands) {

@@ -35,7 +35,7 @@ constexpr std::size_t command_size = 128, text_size = command_size - sizeof(std:
 constexpr unsigned has_colors = 1;
 constexpr unsigned attribute_bit(std::size_t i) { return 2U << i; }
 constexpr unsigned channel_sets = attribute_bit(given_attributes.size() - 1) * 2;
-static_assert(channel_sets <= 256);
+static_assert(channel_sets <= 65536);
 constexpr unsigned first_sets = attribute_bit(1);  // of colours and fog, which every reader knows
 
 // Tag, texture; three vertices x, y, s, u, v; three colours; and three numbers per attribute.

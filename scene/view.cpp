@@ -3,12 +3,32 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "config/config.hpp"
 #include "scene/picture_size.hpp"
 
 namespace bitspan {
+
+std::string light_fault(const Light& light) {
+  const auto is_share = [](double x) { return x >= 0 && x <= 1; };
+  const auto is_zero = [](double x) { return x == 0; };
+  if (!std::ranges::all_of(light.place, [](double x) { return std::isfinite(x); }) ||
+      (!light.is_point && std::ranges::all_of(light.place, is_zero))) {
+    return light.is_point ? ".position: is not finite; expected three finite numbers"
+                          : ".direction: is not legal; expected three finite numbers, not all 0";
+  }
+  if (!is_share(light.ambient)) return ".ambient: is not legal; expected a number from 0 to 1";
+  if (!is_share(light.specular) || light.ambient + light.specular > 1) {
+    return ".specular: is not legal; expected a number from 0 to 1, with ambient at most 1";
+  }
+  if (light.exponent < 1 || light.exponent > light_exponent_limit) {
+    return fmt::format(".exponent: {} is not legal; expected a whole number 1..{}", light.exponent,
+                       light_exponent_limit);
+  }
+  return {};
+}
 
 View changed_view(View view, const ViewChange& change) {
   view.width = change.width.value_or(view.width);
@@ -19,6 +39,7 @@ View changed_view(View view, const ViewChange& change) {
   view.background = change.background.value_or(view.background);
   view.fog = change.fog.value_or(view.fog);
   view.projector = change.projector.value_or(view.projector);
+  view.light = change.light.value_or(view.light);
   if (!is_legal({view.width, view.height})) {
     throw InputError(fmt::format("width: {} x {} is not legal; expected 1..{} pixels each way and {} in all",
                                  view.width, view.height, picture_size_limit, picture_area_limit));
@@ -34,6 +55,11 @@ View changed_view(View view, const ViewChange& change) {
   if (!positive(view.focal)) throw InputError("focal: is not legal; expected a number above 0");
   if (view.fog && !positive(view.fog->distance)) {
     throw InputError("fog.distance: is not legal; expected a number above 0");
+  }
+  if (view.light) {
+    if (const std::string fault = light_fault(*view.light); !fault.empty()) {
+      throw InputError("light" + fault);
+    }
   }
   return view;
 }

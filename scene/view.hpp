@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 
 namespace bitspan {
 
@@ -22,6 +23,17 @@ struct Projector {
   bool operator==(const Projector&) const = default;
 };
 
+// What shines on a scene, in the viewer's space: x to the right, y downward, z along the view axis.
+struct Light {
+  bool is_point = false;                  // stands at `place`; else far away in that direction
+  std::array<double, 3> place{0, 0, -1};  // in the unit of s
+  double ambient = 0.2;                   // share of what reaches every surface, 0 to 1
+  double specular = 0;                    // share of the highlight; the rest of 1 goes by the cosine [L1]
+  int exponent = 32;                      // of the highlight [L2]
+  bool operator==(const Light&) const = default;
+};
+inline constexpr int light_exponent_limit = 200;
+
 struct View {
   int width = 640;
   int height = 480;
@@ -31,6 +43,7 @@ struct View {
   std::array<std::uint8_t, 3> background{};
   std::optional<Fog> fog{};
   std::optional<Projector> projector{};
+  std::optional<Light> light{};
   bool operator==(const View&) const = default;
 };
 
@@ -41,8 +54,12 @@ struct ViewChange {
   std::optional<std::array<std::uint8_t, 3>> background{};
   std::optional<std::optional<Fog>> fog{};  // the inner one is none for a view without fog
   std::optional<std::optional<Projector>> projector{};
+  std::optional<std::optional<Light>> light{};
   bool operator==(const ViewChange&) const = default;
 };
+// What is wrong with a light, behind its name: ".ambient: is not legal; expected ..."; empty where it is
+// legal.
+std::string light_fault(const Light& light);
 // Throws InputError, whose text begins with the key, where the new view is not legal.
 View changed_view(View view, const ViewChange& change);
 

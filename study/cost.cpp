@@ -80,6 +80,8 @@ bool delta_f_ends(const Config& c) { return row_ends(c) && delta_f(c); }
 bool hyperbolic_ends(const Config& c) { return row_ends(c) && hyperbolic(c); }
 bool row_gradients(const Config& c) { return has_setup_gradients(c) && horizontal(c); }
 bool projects(const Config& c) { return has_project(c.project); }
+bool lights(const Config& c) { return has_light(c.light); }
+bool lights_points(const Config& c) { return has_light_points(c); }
 bool packed_depth(const Config& c) { return has_dz(c.depth_code); }
 
 constexpr std::string_view kAlways = "always";
@@ -89,8 +91,10 @@ constexpr std::string_view kByPlane = "slope.row = plane";
 constexpr std::string_view kDda = "edge_walk = dda, all modes but const_depth_rows";
 constexpr std::string_view kPlane = "const_depth_rows";
 constexpr std::string_view kZones = "lod.mode = zone_s, zone_d";
-constexpr std::string_view kDistance = "lod.mode = zone_d, or fog.mode = distance, log";
-constexpr std::string_view kS = "lod.mode = zone_s, zone_d, or fog.mode = distance, log";
+constexpr std::string_view kDistance =
+    "lod.mode = zone_d, or fog.mode = distance, log, or light.at = pixel with light.source = point";
+constexpr std::string_view kS =
+    "lod.mode = zone_s, zone_d, or fog.mode = distance, log, or light.at = pixel with light.source = point";
 constexpr std::string_view kTrueDistance = "lod.mode = zone_d, or fog.mode = distance";
 constexpr std::string_view kGradients =
     "lod.mode = gradient, finite, or depth.code = float_dz, all modes but const_depth_rows";
@@ -98,13 +102,15 @@ constexpr std::string_view kTwoNearest = "texture.mip = linear, texture.filter =
 constexpr std::string_view kTwoBilinear = "texture.mip = linear, texture.filter = bilinear";
 constexpr std::string_view kPixelUnit =
     "delta_f, or depth.code = linear, or fog.mode = linear, distance, log, or lod.mode = zone_s, zone_d, "
-    "gradient";
+    "gradient, or light.at = pixel with light.source = point";
 constexpr std::string_view kChannel = "channel in use";
 constexpr std::string_view kChannelEnds =
     "channel in use, all modes but const_depth_rows, slope.row = divide, reciprocal";
 constexpr std::string_view kChannelPlanes = "channel in use, const_depth_rows or slope.row = plane";
 constexpr std::string_view kChannelPlaneRows = "channel in use, const_depth_rows";
 constexpr std::string_view kProject = "project.unit = reciprocal";
+constexpr std::string_view kLight = "light.at = face, vertex, pixel";
+constexpr std::string_view kLightPoint = "light.at = face, vertex, pixel with light.source = point";
 constexpr std::string_view kEnds = "delta_f, hyperbolic";
 constexpr std::string_view kDividedEnds = "delta_f, hyperbolic, slope.row = divide, reciprocal";
 
@@ -166,6 +172,11 @@ std::vector<RegisterRule> make_rules() {
       rule<F::setup_b>("constants", 1, kProject, projects),
       rule<F::distance_a>("constants", 1, kProject, projects),
       rule<F::fog_scale>("constants", 1, "fog.mode = linear", linear_fog),
+      // The light's direction or place, its shares, and 1 / F.
+      rule<F::light_direction>("constants", 3, kLight, lights),
+      rule<F::light_value>("constants", 3, kLight, lights),
+      rule<F::light_position>("constants", 3, kLightPoint, lights_points),
+      rule<F::light_scale>("constants", 1, kLightPoint, lights_points),
 
       // Three vertices wait for one another. s is not needed after h is formed.
       {"setup", "coordinate", 6, kAlways, always, coordinate_word},
@@ -270,6 +281,17 @@ std::vector<RegisterRule> make_rules() {
       rule<F::project_ratio>("project", 1, kProject, projects),
       rule<F::project_h>("project", 1, kProject, projects),
       {"project", "depth.z", 1, kProject, projects, depth_word},
+
+      // One unit, for vertices or for pixels.
+      rule<F::light_root>("light", 1, kLight, lights),
+      rule<F::light_normal>("light", 3, kLight, lights),
+      rule<F::light_position>("light", 3, kLightPoint, lights_points),
+      rule<F::light_root>("light", 1, kLightPoint, lights_points),
+      rule<F::light_direction>("light", 3, kLightPoint, lights_points),
+      rule<F::light_cosine>("light", 2, kLight, lights),
+      rule<F::light_specular>("light", 1, kLight, lights),
+      rule<F::light_value>("light", 1, kLight, lights),
+      rule<F::texture_color>("light", 3, kLight, lights),
 
       rule<F::fog_factor>("fog", 1, "fog.mode = linear, table, distance, log, vertex", any_fog),
       rule<F::fog_color>("fog", 3, kAlways, always),
@@ -537,6 +559,7 @@ class Products {
       add("project", "(h + B) m", depth_sum(c_, F::span_h), m, 1);
       add("project", "A_p ratio", at(F::distance_a), at(F::project_ratio), 1);
     }
+    if (lights(c_)) light();
     if (linear_fog(c_)) add("fog", "fog_scale m", at(F::fog_scale), m, 1);
     if (fog_by_log(c_)) {
       const Grid place{1, c_.format(F::distance_s).word - 1, false};
@@ -551,6 +574,38 @@ class Products {
     } else {
       add("merge", "(r - dst_r) a", at(F::fog_color) - kCode, alpha, 3);
     }
+  }
+
+  // X / |X|; of: X.
+  void unit_vector(const std::string& of, Grid x) {
+    const RootUnit& root = c_.light_root;
+    add("light", of + "." + of, x, x, 3);
+    const Grid n{2, root.operand_bits, false}, inside{2, root.internal_bits, false};
+    Grid y{1, root.table_bits, false};
+    for (int step = 0; step < root.steps; ++step) {
+      const std::string name = "root of " + of + ": ";
+      add("light", name + "n y", n, y, 1);
+      add("light", name + "n y y", inside, y, 1);
+      add("light", name + "y (3 - n y y)", y, inside, 1);
+      y = {1, root.internal_bits, false};
+    }
+    add("light", of + " m", x, at(F::light_root), 3);
+  }
+  void light() {
+    unit_vector("N", at(F::normal_value));
+    if (lights_points(c_)) {
+      const Grid s = at(lights_pixels(c_.light) ? F::distance_s : F::setup_s);
+      add("light", "s k", s, at(F::light_scale), 1);
+      add("light", "x s k, y s k", from_vertex(), s * at(F::light_scale), 2);
+      unit_vector("L", at(F::light_position) - at(F::light_position));
+    }
+    add("light", "N.L", at(F::light_normal), at(F::light_direction), 3);
+    add("light", "c Nz", at(F::light_cosine), at(F::light_normal), 1);
+    const int places = std::max(c_.format(F::light_cosine).fraction() - c_.light_index_bits, 1);
+    add("light", "(t_j+1 - t_j) x", at(F::light_specular) - at(F::light_specular), Grid{0, places, false}, 1);
+    add("light", "kd c", at(F::light_value), at(F::light_cosine), 1);
+    add("light", "ks spec", at(F::light_value), at(F::light_specular), 1);
+    add("light", "r V", at(F::texture_color), at(F::light_value), 3);
   }
 
   const Config& c_;
@@ -621,6 +676,12 @@ double table_bits(const Config& config) {
   std::int64_t bits = 0;
   for (const auto& u : units(config)) bits += parts_of(*u.r).table_bits;
   bits += fog_entries(config) * config.format(F::fog_factor).word;
+  if (has_light(config.light)) {
+    // Where there are points, N and L have a table each.
+    const std::int64_t roots = has_light_points(config) ? 2 : 1;
+    bits += roots * (std::int64_t{2} << config.light_root.index_bits) * config.light_root.table_bits;
+    bits += ((std::int64_t{1} << config.light_index_bits) + 1) * config.format(F::light_specular).word;
+  }
   if (true_distance(config)) {
     bits += (std::int64_t{1} << config.fog_zone_bits) * config.format(F::distance_g).word;
   }

@@ -93,6 +93,13 @@ std::string scene_hash(const Scene& scene) {
     h.number(scene.projector->s_min);
     h.number(scene.projector->s_max);
   }
+  if (scene.light) {
+    h.text(scene.light->is_point ? "light at" : "light from");
+    for (const double part : scene.light->place) h.number(part);
+    h.number(scene.light->ambient);
+    h.number(scene.light->specular);
+    h.number(scene.light->exponent);
+  }
   h.number(static_cast<std::uint64_t>(scene.textures.size()));
   for (const Texture& texture : scene.textures) {
     h.number(texture.width);

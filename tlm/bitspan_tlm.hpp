@@ -540,8 +540,26 @@ class Device : public sc_core::sc_module,
     expect(from.reserved == 0, BS_TLM_BAD_VALUE, "reserved is not 0");
     begin_scene();
     for (const bs_tlm_vertex& v : from.vertices) {
-      vertices_.push_back({sizeof(bs_vertex), v.x, v.y, v.s, v.u, v.v, v.r, v.g, v.b, v.a, -1.0, 0.0, 0.0,
-                           0.0, -1.0, 0.0, 0.0});
+      vertices_.push_back({sizeof(bs_vertex),
+                           v.x,
+                           v.y,
+                           v.s,
+                           v.u,
+                           v.v,
+                           v.r,
+                           v.g,
+                           v.b,
+                           v.a,
+                           -1.0,
+                           0.0,
+                           0.0,
+                           0.0,
+                           -1.0,
+                           0.0,
+                           0.0,
+                           0.0,
+                           0.0,
+                           0.0});
     }
     texture_of_.push_back(from.texture);
   }

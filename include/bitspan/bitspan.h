@@ -39,7 +39,7 @@ extern "C" {
 #endif
 
 /* Grows with every addition to this file; bs_abi_version() tells the library's. */
-#define BS_ABI_VERSION 6
+#define BS_ABI_VERSION 7
 
 typedef int32_t bs_status;
 enum {
@@ -81,7 +81,8 @@ enum {
   BS_STAGE_EDGE_WALK_CHANNEL = 21,  /* per row and channel; not with slope.row = plane */
   BS_STAGE_SPAN_SETUP_CHANNEL = 22, /* per row and channel */
   BS_STAGE_SPAN_CHANNEL = 23,       /* per pixel of a row and channel */
-  BS_STAGE_PROJECT = 24             /* per pixel of texture.second while texture1.coordinates = project */
+  BS_STAGE_PROJECT = 24,            /* per pixel of texture.second while texture1.coordinates = project */
+  BS_STAGE_LIGHT = 25               /* per pixel written in a scene with a light; light.at other than none */
 };
 
 /* The planes of a picture: `height` rows of `width` elements, from the top. */
@@ -172,12 +173,19 @@ typedef struct bs_scene_desc {
   int32_t has_projector;                   /* 0 or 1; default 0 */
   int32_t reserved_2;                      /* 0 */
   double projector_s_min, projector_s_max; /* range of the distances from it; default 1 to 1000 */
+  /* A light, in the viewer's space: x to the right, y downward, z along the view axis. 0: none, the default;
+   * 1: far away in the direction `light`, of any length; 2: at that point, in the unit of s. */
+  int32_t light_kind;
+  int32_t light_exponent; /* of the highlight, 1 to 200; default 32 */
+  double light[3];        /* default 0, 0, -1: at the viewer */
+  double light_ambient;   /* share of what reaches every surface, 0 to 1; default 0.2 */
+  double light_specular;  /* share of the highlight, 0 to 1 with ambient; default 0 */
 } bs_scene_desc;
 
 #define BS_SCENE_DESC_INIT                                                                                  \
   {                                                                                                         \
     sizeof(bs_scene_desc), 640, 480, 1.0, 1000.0, 500.0, {0, 0, 0}, 0, {0, 0, 0}, 0, 1.0, NULL, 0, NULL, 0, \
-        0, 1.0, 1000.0                                                                                      \
+        0, 1.0, 1000.0, 0, 32, {0.0, 0.0, -1.0}, 0.2, 0.0                                                   \
   }
 
 /* A corner of a triangle. BS_VERTEX_INIT has the defaults. */
@@ -193,10 +201,16 @@ typedef struct bs_vertex {
   double project_x, project_y, project_w;
   double z;      /* depth of depth.line = z, linear on the screen, 0 (nearest) to 1; default -1: that of s */
   double u2, v2; /* texels of the second texture unit, with texture.second = own; default 0 */
+  /* In a scene with a light: the outward normal in the viewer's space, of any length up to 2; default 0:
+   * ambient light alone. */
+  double nx, ny, nz;
 } bs_vertex;
 
-#define BS_VERTEX_INIT \
-  { sizeof(bs_vertex), 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0 }
+#define BS_VERTEX_INIT                                                                                   \
+  {                                                                                                      \
+    sizeof(bs_vertex), 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, \
+        0.0, 0.0, 0.0                                                                                    \
+  }
 
 /* A light that casts shadows on a scene that the library reads. Its points are in the world of a mesh and of
  * the demo, and else as the viewer sees: x to the right, y downward, z along the view axis. BS_SHADOW_INIT

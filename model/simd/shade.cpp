@@ -339,6 +339,7 @@ void prepare_view(ShadePlan& plan, const Pipeline& pipeline, const Config& confi
 }  // namespace
 
 bool holds_state(const ShadePlan& plan, const Pipeline& pipeline) {
+  if (pipeline.light.is_on) return false;
   if (pipeline.channels.any() && !pipeline.channels.fits_int64()) return false;
   if (!pipeline.texture_second.is_on()) return plan.holds_any;
   if (!plan.holds_second || !pipeline.project.is_on) return plan.holds_second;

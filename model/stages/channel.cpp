@@ -50,6 +50,9 @@ int growth_of_product(const Config& config, const InverseDepth& q, const Channel
 
 bool asks_for(const Scene& scene, LineId channel) {
   if (channel == LineId::fog) return scene.fog.has_value();
+  const bool is_of_light =
+      channel == LineId::nx || channel == LineId::ny || channel == LineId::nz || channel == LineId::light;
+  if (is_of_light) return scene.light.has_value();
   const bool is_projected =
       channel == LineId::project_x || channel == LineId::project_y || channel == LineId::project_w;
   return !is_projected || scene.projector.has_value();  // the configuration asks for the others
@@ -98,6 +101,14 @@ std::int64_t vertex_value(const ChannelStage& stage, const ChannelForm& form, co
       return quantize(exact_of(v.u2), form.vertex, watch);
     case LineId::v2:
       return quantize(exact_of(v.v2), form.vertex, watch);
+    case LineId::nx:
+      return quantize(exact_of(v.nx), form.vertex, watch);
+    case LineId::ny:
+      return quantize(exact_of(v.ny), form.vertex, watch);
+    case LineId::nz:
+      return quantize(exact_of(v.nz), form.vertex, watch);
+    case LineId::light:
+      return light_at(stage.light, v, form.vertex, watch);
     case LineId::h:
     case LineId::fu:
     case LineId::fv:
@@ -171,6 +182,9 @@ ChannelStage prepare_channels(const Config& config, const Constants& constants, 
   s.depth_at = s.place_of(LineId::z);
   s.shades_at = s.place_of(LineId::shade_r);
   s.second_at = s.place_of(LineId::u2);
+  s.normal_at = s.place_of(LineId::nx);
+  s.light_at = s.place_of(LineId::light);
+  if (s.light_at >= 0) s.light = prepare_light(config, constants, scene);
   for (ChannelForm& form : s.in_use) form.product_growth = growth_of_product(config, s.q, form);
   if (scene.fog) s.fog_distance = scene.fog->distance;
   if (scene.projector && has_project(config.project)) {
@@ -200,7 +214,8 @@ TriangleChannels setup_channels(const ChannelStage& stage, const Triangle& trian
     std::array<std::int64_t, 3> f{};
     VertexTriple g;
     for (std::size_t i = 0; i < 3; ++i) {
-      w[i] = vertex_value(stage, form, triangle.v[places[i]], v[i], watch);
+      const bool by_first = form.line == LineId::light && stage.light.at_faces;
+      w[i] = vertex_value(stage, form, triangle.v[by_first ? 0 : places[i]], v[i], watch);
       g[i] = value_of(w[i], form.vertex);
       if (form.homogeneous) {
         f[i] = quantize(g[i] * (value_of(v[i].h, stage.vertex_h) + stage.b), form.walked, watch);

@@ -16,6 +16,7 @@
 #include "model/numeric/quantize.hpp"
 #include "model/numeric/reciprocal.hpp"
 #include "model/stages/constants.hpp"
+#include "model/stages/light.hpp"
 #include "model/stages/plane_walk.hpp"
 #include "model/stages/setup.hpp"
 #include "model/stages/setup_plane.hpp"
@@ -59,8 +60,10 @@ struct ChannelStage {
   ReciprocalUnit pixel_unit;   // what m and e of a fragment stand for
   InverseDepth q;              // h + B of a fragment
   bool by_reciprocal = false;  // the span has m and e; else it divides
-  // Channels in the places of fields that depth and texture read, by their place in in_use; -1: none.
-  int depth_at = -1, shades_at = -1, second_at = -1;
+  LightStage light;            // of the channel light
+  // Channels in the places of fields that depth and texture read, and those of light, by their place in
+  // in_use; -1: none.
+  int depth_at = -1, shades_at = -1, second_at = -1, normal_at = -1, light_at = -1;
 
   bool any() const { return !in_use.empty(); }
   bool fits_int64() const { return std::ranges::all_of(in_use, &ChannelForm::fits_int64); }
@@ -158,6 +161,15 @@ inline const FragmentRecord& as_second(const ChannelStage& stage, const Fragment
   own.u = (*channels)[static_cast<std::size_t>(stage.second_at)].w;
   own.v = (*channels)[static_cast<std::size_t>(stage.second_at) + 1].w;
   return own;
+}
+
+// What light takes.
+inline LightChannels light_channels(const ChannelStage& stage, const FragmentChannels* channels) {
+  LightChannels out;
+  const auto w = [&](int at) { return (*channels)[static_cast<std::size_t>(at)].w; };
+  if (stage.normal_at >= 0) out.normal = {w(stage.normal_at), w(stage.normal_at + 1), w(stage.normal_at + 2)};
+  if (stage.light_at >= 0) out.value = w(stage.light_at);
+  return out;
 }
 
 // The value of a channel that is in use.

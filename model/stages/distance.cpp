@@ -1,30 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model/stages/distance.hpp"
 
-#include <gmp.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "config/modes.hpp"
+#include "model/numeric/big_integer.hpp"
 
 namespace bitspan::model {
 namespace {
-
-// GMP's integers with an owner.
-class Integer {
- public:
-  Integer() { mpz_init(value_); }
-  ~Integer() { mpz_clear(value_); }
-  Integer(const Integer&) = delete;
-  Integer& operator=(const Integer&) = delete;
-  mpz_ptr get() { return value_; }
-  void shift_up(mp_bitcnt_t bits) { mpz_mul_2exp(value_, value_, bits); }
-
- private:
-  mpz_t value_;
-};
 
 std::int64_t root_of(std::int64_t x) {
   auto root = static_cast<std::int64_t>(std::sqrt(static_cast<double>(x)));
@@ -40,7 +25,7 @@ std::int64_t factor_of(Exact share, std::int64_t diagonal, double focal, const R
   int exponent = 0;
   const double f = std::ldexp(std::frexp(focal, &exponent), 53);
   exponent -= 53;
-  Integer bottom, top, rest;
+  BigInteger bottom, top, rest;
   mpz_set_d(bottom.get(), f);
   mpz_mul(bottom.get(), bottom.get(), bottom.get());
   mpz_set_ui(top.get(), static_cast<unsigned long>(diagonal));

@@ -6,8 +6,15 @@
 
 namespace bitspan::timed {
 
-// The values of fog, for both modes.
+// The values of fog, for both modes; and those of light, which works in its clock.
 inline void fog_values(Run& run, FragmentItem& item) {
+  if (run.pipeline.light.is_on) {
+    LightRecord shone;
+    model::light(run.pipeline.light, item.fragment, item.distance,
+                 model::light_channels(run.pipeline.channels, &item.channels), item.texel, shone);
+    deliver(run.trace, shone);
+    item.texel = model::lit(item.texel, shone);
+  }
   model::fog(run.pipeline.fog, item.fragment, item.distance, item.texel, item.fog, model::NoObserve{},
              &item.channels);
   deliver(run.trace, item.fog);

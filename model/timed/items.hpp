@@ -43,7 +43,7 @@ struct FragmentItem {
   LodRecord lod;
   LodRecord second_lod;     // of the second texture unit, while it is on
   ProjectRecord projected;  // while its coordinates are a projector's
-  TextureRecord texel;      // behind both texture units
+  TextureRecord texel;      // behind both texture units, and light
   FogRecord fog;
 };
 

@@ -21,7 +21,7 @@ from ._divergence import Divergence
 from ._model import Model
 from ._report import report
 from ._run import Run, render
-from ._scene import Scene, Texels
+from ._scene import Light, Scene, Texels
 from ._search import ALGORITHMS, Certificate, Combination, Found, Step, View, search
 from ._sweep import Metric, Table, measure, metrics, sweep
 
@@ -47,5 +47,5 @@ def data_folder() -> pathlib.Path:
 
 
 __all__ = ["ALGORITHMS", "Area", "COUNTERS", "Certificate", "Combination", "Comparison", "Config", "Divergence", "ENGINES", "Field",
-           "Found", "InputError", "Metric", "Model", "Run", "STAGES", "Scene", "StateError", "Step", "Table", "Texels", "ToolError",
+           "Found", "InputError", "Light", "Metric", "Model", "Run", "STAGES", "Scene", "StateError", "Step", "Table", "Texels", "ToolError",
            "View", "area", "compare", "costs", "data_folder", "measure", "metrics", "render", "report", "search", "sweep"]

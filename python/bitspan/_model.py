@@ -116,7 +116,7 @@ class Model:
         self._command({"target": k})
 
     def view(self, **changes: Any) -> None:
-        """Changes the view of the target drawn on: width, height, s_min, s_max, focal, background, 0 to 255, fog, which is None or (color, distance), and projector, which is None or (s_min, s_max). With another size it is cleared."""
+        """Changes the view of the target drawn on: width, height, s_min, s_max, focal, background, 0 to 255, fog, which is None or (color, distance), projector, which is None or (s_min, s_max), and light, which is None or a Light. With another size it is cleared."""
         if changes.get("background") is not None:
             changes["background"] = [c / 255 for c in changes["background"]]
         if changes.get("fog") is not None:
@@ -124,6 +124,8 @@ class Model:
             changes["fog"] = {"color": [c / 255 for c in color], "distance": distance}
         if changes.get("projector") is not None:
             changes["projector"] = dict(zip(("s_min", "s_max"), changes["projector"], strict=True))
+        if changes.get("light") is not None:
+            changes["light"] = changes["light"]._json()
         self._command({"view": changes})
 
     def copy(self, target: int, plane: str, texture: int) -> None:

@@ -14,7 +14,8 @@ from ._core import InputError, SceneHandle, texel_formats
 
 #: The columns of a vertex and their defaults: [pixel], [unit of s], [texel], 0 to 1.
 VERTEX = {"x": 0.0, "y": 0.0, "s": 1.0, "u": 0.0, "v": 0.0, "r": 1.0, "g": 1.0, "b": 1.0, "a": 1.0, "fog": -1.0,
-          "project_x": 0.0, "project_y": 0.0, "project_w": 0.0, "z": -1.0, "u2": 0.0, "v2": 0.0}
+          "project_x": 0.0, "project_y": 0.0, "project_w": 0.0, "z": -1.0, "u2": 0.0, "v2": 0.0, "nx": 0.0, "ny": 0.0,
+          "nz": 0.0}
 
 
 def _vertices(vertices: Any) -> NDArray[np.float64]:
@@ -53,6 +54,41 @@ class Texels:
     width: int
     height: int
     table: Sequence[int] = ()
+
+
+@dataclasses.dataclass(frozen=True)
+class Light:
+    """A light in the viewer's space: x to the right, y downward, z along the view axis.
+
+    direction  to a light that is far away, of any length; or None
+    position   of a light that stands there [unit of s]; or None
+    ambient    share of what reaches every surface, 0 to 1
+    specular   share of the highlight, 0 to 1 with ambient
+    exponent   of the highlight, 1 to 200
+    """
+
+    direction: Sequence[float] | None = None
+    position: Sequence[float] | None = None
+    ambient: float = 0.2
+    specular: float = 0.0
+    exponent: int = 32
+
+    def _given(self) -> tuple[int, list[float], float, float, int]:
+        if (self.direction is None) == (self.position is None):
+            raise InputError("light: has both or neither of direction and position; expected one of them")
+        try:
+            place = [float(part) for part in (self.direction if self.position is None else self.position) or ()]
+            shares = float(self.ambient), float(self.specular)
+        except (TypeError, ValueError) as error:
+            raise InputError(f"light: {error}; expected numbers") from None
+        if len(place) != 3:
+            raise InputError(f"light: has {len(place)} coordinates; expected three")
+        return 1 if self.position is None else 2, place, *shares, _integer("light.exponent", self.exponent)
+
+    def _json(self) -> dict[str, Any]:
+        _, place, ambient, specular, exponent = self._given()
+        return {"direction" if self.position is None else "position": place, "ambient": ambient, "specular": specular,
+                "exponent": exponent}
 
 
 def _texture(i: int, texture: Any) -> Any:
@@ -120,15 +156,16 @@ class Scene:
     def from_vertices(cls, vertices: Any, width: int = 640, height: int = 480, *, texture: Any = -1, textures: Sequence[Any] = (),
                       s_range: tuple[float, float] = (1.0, 1000.0), focal: float = 500.0,
                       background: Sequence[int] = (0, 0, 0), fog: tuple[Sequence[int], float] | None = None,
-                      projector: tuple[float, float] | None = None, name: str = "scene") -> Scene:
+                      projector: tuple[float, float] | None = None, light: Light | None = None, name: str = "scene") -> Scene:
         """Makes a scene of arrays.
 
         vertices    (n, 3, k): per corner x, y [pixel, origin top left, pixel centres at .5], s [distance along the view axis],
                     u, v [texel], r, g, b, a [0 to 1], fog [factor of fog.mode = vertex, 0 to 1; -1: it follows from s];
                     project_x, project_y, project_w [W is the distance along the projector's axis, X / W and Y / W are column
                     and row of its texture]; z [depth of depth.line = z, 0 nearest to 1; -1: it follows from s]; u2, v2 [texel,
-                    of the second unit with texture.second = own]; k from 3 to 16, the columns left out are 0, 0, 1, 1, 1, 1,
-                    -1, 0, 0, 0, -1, 0, 0
+                    of the second unit with texture.second = own]; nx, ny, nz [outward normal in the viewer's space, of any
+                    length up to 2]; k from 3 to 19, the columns left out are 0, 0, 1, 1, 1, 1, -1, 0, 0, 0, -1, 0, 0, 0,
+                    0, 0
         texture     the index into `textures` per triangle, or one for all; -1: none
         textures    (height, width, 3 or 4) arrays of uint8, or Texels
         s_range     the range of s that the formats are scaled for
@@ -136,6 +173,7 @@ class Scene:
         background  red, green, blue, 0 to 255
         fog         (colour, distance [unit of s]); None: no fog
         projector   (s_min, s_max), the range of the distances from it [unit of s]; None: no projector
+        light       a Light; None: none
         """
         corners = _vertices(vertices)
         try:
@@ -157,7 +195,8 @@ class Scene:
         out = object.__new__(cls)
         out._handle = SceneHandle.make(corners, texture_of.astype(np.int32), [_texture(i, t) for i, t in enumerate(textures)],
                                        _integer("width", width), _integer("height", height), (low, high), length,
-                                       _codes("background", background), haze, thrown, str(name))
+                                       _codes("background", background), haze, thrown,
+                                       None if light is None else light._given(), str(name))
         return out
 
     @property
@@ -185,7 +224,7 @@ class Scene:
 
     @property
     def vertices(self) -> NDArray[np.float64]:
-        """(n, 3, 16) float64: the columns of VERTEX per corner; a view of the scene's memory."""
+        """(n, 3, 19) float64: the columns of VERTEX per corner; a view of the scene's memory."""
         return self._handle.vertices
 
     @property

@@ -21,7 +21,7 @@
 namespace bitspan::python {
 namespace {
 
-constexpr std::size_t columns = 16;  // those of VERTEX in _scene.py
+constexpr std::size_t columns = 19;  // those of VERTEX in _scene.py
 static_assert(sizeof(bs_vertex) == sizeof(std::size_t) + columns * sizeof(double));
 
 using Rgb = std::array<std::uint8_t, 3>;
@@ -30,7 +30,9 @@ SceneHandle make(const nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::
                  const Indices& texture_of, const std::vector<std::variant<Bytes, Formatted>>& textures,
                  std::int32_t width, std::int32_t height, const std::pair<double, double>& s_range,
                  double focal, const Rgb& background, const std::optional<std::pair<Rgb, double>>& fog,
-                 const std::optional<std::pair<double, double>>& projector, std::string name) {
+                 const std::optional<std::pair<double, double>>& projector,
+                 const std::optional<std::tuple<int, std::array<double, 3>, double, double, int>>& light,
+                 std::string name) {
   bs_scene_desc desc = BS_SCENE_DESC_INIT;
   desc.width = width;
   desc.height = height;
@@ -47,6 +49,14 @@ SceneHandle make(const nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::
     desc.has_projector = 1;
     desc.projector_s_min = projector->first;
     desc.projector_s_max = projector->second;
+  }
+  if (light) {
+    const auto& [kind, place, ambient, specular, exponent] = *light;
+    desc.light_kind = kind;
+    desc.light_exponent = exponent;
+    std::ranges::copy(place, desc.light);
+    desc.light_ambient = ambient;
+    desc.light_specular = specular;
   }
   return SceneHandle::make(vertices, texture_of, textures, desc, std::move(name));
 }
@@ -178,7 +188,8 @@ void bind_scene(nb::module_& m) {
                   nb::arg("frame").none(), nb::arg("shadow").none(), nb::call_guard<nb::gil_scoped_release>())
       .def_static("make", &make, nb::arg("vertices"), nb::arg("texture_of"), nb::arg("textures"),
                   nb::arg("width"), nb::arg("height"), nb::arg("s_range"), nb::arg("focal"),
-                  nb::arg("background"), nb::arg("fog").none(), nb::arg("projector").none(), nb::arg("name"))
+                  nb::arg("background"), nb::arg("fog").none(), nb::arg("projector").none(),
+                  nb::arg("light").none(), nb::arg("name"))
       .def_prop_ro("name", [](const SceneHandle& s) { return std::string(s.desc().name); })
       .def_prop_ro("width", [](const SceneHandle& s) { return s.desc().width; })
       .def_prop_ro("height", [](const SceneHandle& s) { return s.desc().height; })

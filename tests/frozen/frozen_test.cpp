@@ -157,6 +157,23 @@ TEST(Frozen, Project) {
       .light = {-12, 16, -2}, .at = Vec3{0, 2, -26}, .degrees = 60, .size = 128, .bias = 2};
   check_all("project", configs, {demo_scene(96, 72, lamp)});
 }
+// Under a light: a brightness per face, per vertex and per pixel, of lights far away and at a point.
+TEST(Frozen, Light) {
+  std::vector<Config> configs;
+  for (const LightAt at : {LightAt::face, LightAt::vertex, LightAt::pixel}) {
+    for (const LightSource source : {LightSource::parallel, LightSource::point}) {
+      Config c = shipped_config("depth16");
+      c.light = at;
+      c.light_source = source;
+      c.name += " light " + std::string(to_string(at)) + " " + std::string(to_string(source));
+      configs.push_back(c);
+    }
+  }
+  Scene scene = random_scene(75);
+  Random random(75);
+  draw_light(random, scene, false);
+  check_all("light", configs, {scene});
+}
 // Changes of draw state.
 TEST(Frozen, State) { check_all("state", shipped_configs(), {random_scene(71, random_states(0.4))}); }
 // Late depth and stencil tests.

@@ -254,6 +254,36 @@ TEST(LibScenes, AFrameOfDynamicTextures) {
   EXPECT_NE(pictures[0], pictures[2]);
 }
 
+// A triangle under a light, per pixel: the records of light, and the colours of what they say.
+TEST(LibScenes, LightOnATriangle) {
+  const ConfigHandle config = config_handle("depth16");
+  ASSERT_EQ(bs_config_set(config.get(), "light.at", "pixel"), BS_OK) << bs_last_error();
+  ASSERT_EQ(bs_config_set(config.get(), "light.source", "point"), BS_OK) << bs_last_error();
+  bs_scene_desc desc = BS_SCENE_DESC_INIT;
+  desc.width = desc.height = 32;
+  desc.light_kind = 2;
+  desc.light[0] = 0.25;
+  desc.light[2] = 1;
+  desc.light_specular = 0.5;
+  std::vector<bs_vertex> vertices(3, bs_vertex BS_VERTEX_INIT);
+  vertices[1].x = vertices[2].y = 30;
+  for (bs_vertex& v : vertices) {
+    v.s = 4;
+    v.nz = -1;
+  }
+  std::vector<std::vector<std::int64_t>> all;
+  for (const char* engine : {"model", "golden"}) {
+    const ModelHandle model = open_model(config.get(), engine);
+    ASSERT_EQ(bs_begin(model.get(), &desc), BS_OK) << bs_last_error();
+    ASSERT_EQ(bs_draw(model.get(), vertices.data(), nullptr, 1, 0, 0), BS_OK) << bs_last_error();
+    all.push_back(records(model.get(), BS_STAGE_LIGHT));
+    EXPECT_GT(plane<std::uint8_t>(model.get(), BS_PLANE_COLOR)[0], 200);
+  }
+  EXPECT_GT(all[0].size(), 4000U);
+  EXPECT_EQ(all[0], all[1]);
+  EXPECT_EQ(std::string(bs_stage_name(BS_STAGE_LIGHT)), "light");
+}
+
 // The demo with shadows, from the library's own plan and from bs_scene_load_with.
 TEST(LibScenes, ShadowsOfAScene) {
   const ConfigHandle config = config_handle("depth16");

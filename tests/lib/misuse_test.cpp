@@ -188,7 +188,7 @@ TEST(LibMisuse, BadArguments) {
       {"set no key", [&] { return bs_config_set(config.get(), "depth.bit", "1"); }, BS_BAD_INPUT},
       {"set no value", [&] { return bs_config_set(config.get(), "depth.bits", "many"); }, BS_BAD_INPUT},
       {"set no name", [&] { return bs_config_set(config.get(), "depth.code", "nearest"); }, BS_BAD_INPUT},
-      {"field of no stage", [&] { return bs_field(config.get(), BS_STAGE_PROJECT + 1, 0, &info); },
+      {"field of no stage", [&] { return bs_field(config.get(), BS_STAGE_LIGHT + 1, 0, &info); },
        BS_BAD_INPUT},
       {"field of stage -1", [&] { return bs_field(config.get(), -1, 0, &info); }, BS_BAD_INPUT},
       {"field -1", [&] { return bs_field(config.get(), 7, -1, &info); }, BS_BAD_INPUT},
@@ -215,8 +215,8 @@ TEST(LibMisuse, BadArguments) {
       {"draw too many", [&] { return bs_draw(m, described.vertices.data(), nullptr, SIZE_MAX, 0, 0); },
        BS_BAD_INPUT},
       {"row NULL", [&] { return bs_row(m, BS_STAGE_EDGE_WALK, nullptr, 1, -1); }, BS_BAD_INPUT},
-      {"row of no stage", [&] { return bs_row(m, BS_STAGE_PROJECT + 1, &number, 1, -1); }, BS_BAD_INPUT},
-      {"records of no stage", [&] { return bs_records(m, BS_STAGE_PROJECT + 1, &view); }, BS_BAD_INPUT},
+      {"row of no stage", [&] { return bs_row(m, BS_STAGE_LIGHT + 1, &number, 1, -1); }, BS_BAD_INPUT},
+      {"records of no stage", [&] { return bs_records(m, BS_STAGE_LIGHT + 1, &view); }, BS_BAD_INPUT},
       {"records to NULL", [&] { return bs_records(m, 7, nullptr); }, BS_BAD_INPUT},
       {"plane 7", [&] { return bs_frame_view(m, 7, &view); }, BS_BAD_INPUT},
       {"plane to NULL", [&] { return bs_frame_view(m, 0, nullptr); }, BS_BAD_INPUT},
@@ -224,11 +224,10 @@ TEST(LibMisuse, BadArguments) {
       {"no counter", [&] { return bs_counter(m, "bugs", &number); }, BS_BAD_INPUT},
       {"counter to NULL", [&] { return bs_counter(m, "rows", nullptr); }, BS_BAD_INPUT},
       {"check NULL", [&] { return bs_check(m, 7, nullptr, 1, nullptr); }, BS_BAD_INPUT},
-      {"check no stage", [&] { return bs_check(m, BS_STAGE_PROJECT + 1, &number, 1, nullptr); },
-       BS_BAD_INPUT},
+      {"check no stage", [&] { return bs_check(m, BS_STAGE_LIGHT + 1, &number, 1, nullptr); }, BS_BAD_INPUT},
       {"unchecked of no stage",
-       [&] { return bs_unchecked(m, BS_STAGE_PROJECT + 1) == 0 ? BS_BAD_INPUT : BS_OK; }, BS_BAD_INPUT},
-      {"override no stage", [&] { return bs_stage_override(m, BS_STAGE_PROJECT + 1, nullptr, nullptr); },
+       [&] { return bs_unchecked(m, BS_STAGE_LIGHT + 1) == 0 ? BS_BAD_INPUT : BS_OK; }, BS_BAD_INPUT},
+      {"override no stage", [&] { return bs_stage_override(m, BS_STAGE_LIGHT + 1, nullptr, nullptr); },
        BS_BAD_INPUT},
       {"override constants", [&] { return bs_stage_override(m, 0, nullptr, nullptr); }, BS_UNSUPPORTED},
   });
@@ -350,6 +349,33 @@ TEST(LibMisuse, BadProjectors) {
   desc.has_projector = 1;
   desc.reserved_2 = 1;
   EXPECT_EQ(begun(1, 9), BS_BAD_INPUT);
+}
+
+TEST(LibMisuse, BadLights) {
+  const ConfigHandle config = config_handle("depth16");
+  ASSERT_EQ(bs_config_set(config.get(), "light.at", "pixel"), BS_OK) << bs_last_error();
+  const ModelHandle model = open_model(config.get(), "model");
+  const Scene scene = small_scene();
+  Described described(scene);
+  const bs_scene_desc good = described.desc;
+  const auto refused = [&](const std::function<void(bs_scene_desc&)>& change, const char* line) {
+    bs_scene_desc desc = good;
+    desc.light_kind = 1;
+    change(desc);
+    EXPECT_EQ(bs_begin(model.get(), &desc), BS_BAD_INPUT) << line;
+    EXPECT_TRUE(names(bs_last_error(), line)) << bs_last_error();
+  };
+  refused([](bs_scene_desc& d) { d.light_kind = 3; }, ".light_kind: 3; expected 0, 1 or 2");
+  refused([](bs_scene_desc& d) { d.light_kind = -1; }, ".light_kind: -1; expected 0, 1 or 2");
+  refused([](bs_scene_desc& d) { d.light[2] = 0; }, "light.direction: is not legal");
+  refused([](bs_scene_desc& d) { d.light[1] = HUGE_VAL; }, "light.direction: is not legal");
+  refused([](bs_scene_desc& d) { d.light_ambient = std::nan(""); }, "light.ambient: is not legal");
+  refused([](bs_scene_desc& d) { d.light_specular = 0.9; }, "light.specular: is not legal");
+  refused([](bs_scene_desc& d) { d.light_exponent = 0; }, "light.exponent: 0 is not legal");
+  refused([](bs_scene_desc& d) { d.light_kind = 2; }, "its light stands at a point");
+  bs_scene_desc desc = good;
+  desc.light_kind = 1;
+  EXPECT_EQ(bs_begin(model.get(), &desc), BS_OK) << bs_last_error();
 }
 
 TEST(LibMisuse, BadOptionsOfAScene) {

@@ -54,8 +54,26 @@ struct Described {
     }
     for (const Triangle& t : s.triangles) {
       for (const Vertex& v : t.v) {
-        vertices.push_back({sizeof(bs_vertex), v.x, v.y, v.s, v.u, v.v, v.c[0], v.c[1], v.c[2], v.c[3], v.fog,
-                            v.project_x, v.project_y, v.project_w, v.z, v.u2, v.v2});
+        vertices.push_back({sizeof(bs_vertex),
+                            v.x,
+                            v.y,
+                            v.s,
+                            v.u,
+                            v.v,
+                            v.c[0],
+                            v.c[1],
+                            v.c[2],
+                            v.c[3],
+                            v.fog,
+                            v.project_x,
+                            v.project_y,
+                            v.project_w,
+                            v.z,
+                            v.u2,
+                            v.v2,
+                            v.nx,
+                            v.ny,
+                            v.nz});
       }
       texture_of.push_back(t.texture);
     }
@@ -74,6 +92,13 @@ struct Described {
       desc.has_projector = 1;
       desc.projector_s_min = s.projector->s_min;
       desc.projector_s_max = s.projector->s_max;
+    }
+    if (s.light) {
+      desc.light_kind = s.light->is_point ? 2 : 1;
+      desc.light_exponent = s.light->exponent;
+      for (std::size_t i = 0; i < 3; ++i) desc.light[i] = s.light->place[i];
+      desc.light_ambient = s.light->ambient;
+      desc.light_specular = s.light->specular;
     }
     desc.textures = textures.data();
     desc.texture_count = textures.size();

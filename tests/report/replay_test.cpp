@@ -28,6 +28,7 @@ Replay sample() {
   }
   Random given(3);
   draw_given_attributes(given, r.scene, 0.5);
+  draw_light(given, r.scene, true);
   r.scene.projector = Projector{0.1, 1 / 3.0};
   for (double Attributes::*const member :
        {&Attributes::project_x, &Attributes::project_y, &Attributes::project_w}) {
@@ -53,9 +54,11 @@ TEST(Replay, ComesBackBitForBit) {
       EXPECT_TRUE(x.x == y.x && x.y == y.y && x.s == y.s && x.u == y.u && x.v == y.v && x.c == y.c &&
                   x.fog == y.fog);
       EXPECT_TRUE(x.project_x == y.project_x && x.project_y == y.project_y && x.project_w == y.project_w);
+      EXPECT_TRUE(x.nx == y.nx && x.ny == y.ny && x.nz == y.nz);
     }
   }
   EXPECT_EQ(b.scene.projector, a.scene.projector);
+  EXPECT_EQ(b.scene.light, a.scene.light);
   ASSERT_EQ(b.scene.textures.size(), a.scene.textures.size());
   EXPECT_EQ(b.scene.textures[0].rgba, a.scene.textures[0].rgba);
 }

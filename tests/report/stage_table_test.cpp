@@ -79,6 +79,21 @@ std::vector<DrawnRun> runs() {
       EXPECT_FALSE(run.trace.project.empty()) << run.name;
       run.counters = engine->counters();
     }
+    for (const LightAt at : {LightAt::vertex, LightAt::pixel}) {
+      Config config = shipped_config("depth16");
+      config.light = at;
+      config.light_source = LightSource::point;
+      Scene lit = scene;
+      Random random(13);
+      draw_light(random, lit, true);
+      const auto engine = entry.make(config, {});
+      DrawnRun& run = out.emplace_back();
+      run.name = std::string(entry.name) + " with a light at " + std::string(to_string(at));
+      engine->begin(lit);
+      engine->draw(lit.triangles, 0, &run.trace);
+      EXPECT_FALSE(run.trace.light.empty()) << run.name;
+      run.counters = engine->counters();
+    }
     options.command_probability = 0.5;
     const Scene changing = random_scene(19, options);
     const auto engine = entry.make(shipped_config("depth16"), {});

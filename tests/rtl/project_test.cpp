@@ -172,8 +172,10 @@ Config random_project_config(std::uint64_t seed) {
     if (first_violation(c)) continue;
     try {
       static_cast<void>(design_of(c));
+      Random unused(seed);
+      static_cast<void>(ProjectCase(c, unused));
       return c;
-    } catch (const InputError&) {  // an operand that the ports do not hold
+    } catch (const InputError&) {  // an operand that the ports do not hold, or the range of the distances
     }
   }
 }

@@ -186,8 +186,8 @@ TEST(DrawState, ViewsOfAStream) {
   EXPECT_EQ(error_of([&] { check_scene(scene, "s"); }), "");
 
   EXPECT_EQ(refused(R"({"view": {}})"),
-            "s.tri:2: view: no key; expected width, height, s_min, s_max, focal, background, fog or "
-            "projector");
+            "s.tri:2: view: no key; expected width, height, s_min, s_max, focal, background, fog, projector "
+            "or light");
   EXPECT_EQ(refused(R"({"view": {"width": 0}})"),
             "s.tri:2: view.width: 0 is not legal; expected a whole number 1..32768");
   EXPECT_EQ(refused(R"({"view": {"s_max": 1}})"),

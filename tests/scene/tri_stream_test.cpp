@@ -51,6 +51,7 @@ void expect_same(const Scene& a, const Scene& b) {
     EXPECT_TRUE(same_bits(a.fog->distance, b.fog->distance));
   }
   EXPECT_EQ(a.projector, b.projector);
+  EXPECT_EQ(a.light, b.light);
   ASSERT_EQ(a.textures.size(), b.textures.size());
   for (std::size_t i = 0; i < a.textures.size(); ++i) {
     EXPECT_EQ(a.textures[i].width, b.textures[i].width);

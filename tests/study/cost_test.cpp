@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <set>
@@ -12,6 +13,7 @@
 #include "config/check.hpp"
 #include "model/engine_model.hpp"
 #include "scene/demo.hpp"
+#include "tests/support/files.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/test_config.hpp"
 
@@ -268,6 +270,14 @@ std::vector<Config> further_modes() {
   add(projects);
   projects.row_slope = RowSlope::plane;
   add(projects);
+  for (const LightAt at : {LightAt::pixel, LightAt::vertex}) {
+    Config lit = base;
+    lit.light = at;
+    lit.light_source = LightSource::point;
+    add(lit);
+    lit.row_slope = RowSlope::plane;
+    add(lit);
+  }
   Config own_lines = base;
   own_lines.shade_lines = ShadeLines::perspective;
   own_lines.depth_line = DepthLine::z;
@@ -309,6 +319,27 @@ TEST(Cost, AProjectorByHand) {
   EXPECT_EQ(bits_of(multipliers(c), "setup.channel"), 3 * 36 * 39);
   EXPECT_EQ(bits_of(multipliers(c), "project"), unit + 2 * 48 * 19 + 39 * 19 + 44 * 38);
   EXPECT_EQ(table_bits(c) - table_bits(without), 512 * 13);
+}
+
+// N and L of length 1 with a root each: two Newton steps of three products.
+TEST(Cost, ALightByHand) {
+  const Config without = shipped_config("depth16");
+  Config c = without;
+  c.light = LightAt::vertex;
+  const std::vector<RegisterPlace> places = register_places(c);
+  EXPECT_EQ(bits_of(places, "light"),
+            22 + 3 * 20 + 2 * 20 + 18 + 16 + 3 * c.format(FormatId::texture_color).word);
+  const int root = 22 * 11 + 26 * 11 + 11 * 26 + 22 * 25 + 26 * 25 + 25 * 26;
+  const int color = c.format(FormatId::texture_color).word;
+  const int by_light = 3 * 20 * 20 + 20 * 20 + 19 * 9 + 16 * 20 + 16 * 18 + 3 * color * 16;
+  EXPECT_EQ(bits_of(multipliers(c), "light"), 3 * 20 * 20 + root + 3 * 20 * 22 + by_light);
+  EXPECT_EQ(table_bits(c) - table_bits(without), 128 * 10 + 513 * 18);
+  c.light_source = LightSource::point;
+  const int s = c.format(FormatId::setup_s).word;
+  EXPECT_EQ(bits_of(multipliers(c), "light"), 3 * 20 * 20 + root + 3 * 20 * 22 + by_light + s * 24 +
+                                                  2 * (c.coordinate_bits + 5) * (s + 24) + 3 * 33 * 33 +
+                                                  root + 3 * 33 * 22);
+  EXPECT_EQ(table_bits(c) - table_bits(without), 2 * 128 * 10 + 513 * 18);
 }
 
 TEST(Cost, EveryWidthMovesACost) {
@@ -356,6 +387,14 @@ TEST(Cost, TheTableOfRegistersIsTheOneOfTheCode) {
   for (const RegisterRule& r : register_rules()) {
     expected.push_back("| " + std::string(r.stage) + " | `" + std::string(r.name) + "` | " +
                        std::to_string(r.times) + " | " + std::string(r.condition) + " |");
+  }
+  if (std::getenv("BITSPAN_UPDATE_DOCS") != nullptr) {
+    std::string text = read_file(source_path("docs/search.md"));
+    const std::size_t head = text.find("|---|---|---|---|\n", text.find("<!-- registers -->"));
+    const std::size_t begin = text.find('\n', head) + 1, end = text.find("<!-- end of registers -->");
+    std::string rows;
+    for (const std::string& row : expected) rows += row + "\n";
+    std::ofstream(source_path("docs/search.md")) << text.replace(begin, end - begin, rows);
   }
   std::ifstream page(source_path("docs/search.md"));
   bool inside = false;

@@ -372,7 +372,8 @@ bool is_tried(const Key& key) { return in_gate(index_of(key) / parts_of_values, 
 
 TEST(KeyEffects, Ideal) {
   expect_column(affects::ideal, ideal_of,
-                {{"texture.second", "no scene here has a second texture; OwnLines of stages_test does"}},
+                {{"texture.second", "no scene here has a second texture; OwnLines of stages_test does"},
+                 {"light.at", "no scene here has a light; Light of stages_test does"}},
                 every_key);
 }
 
@@ -383,6 +384,10 @@ TEST(KeyEffects, Rtl) {
   all.back().rtl.shades = true;  // without them the RTL has no start of theirs
   all.push_back(shipped_config("depth16"));
   all.back().project = ProjectUnit::reciprocal;
+  for (const LightAt at : {LightAt::pixel, LightAt::vertex}) {
+    all.push_back(shipped_config("depth16"));
+    all.back().light = at;
+  }
   const auto package = [](const Config& c) -> std::string {
     if (!has_rtl(c)) return "";
     try {
@@ -411,10 +416,12 @@ TEST(KeyEffects, Rtl) {
   EXPECT_GT(seen, is_gate_run() ? 10 : 60);
 }
 
-// No scene here has a projector: tests/stages/project_test.cpp and golden_project_test.cpp move these
-// registers.
-bool needs_projector(const Key& key) {
-  return key.path == "project.unit" || key.path.starts_with("formats.project.");
+// No scene here has a projector or a light: tests/stages/project_test.cpp, light_test.cpp and
+// golden_project_test.cpp move these registers.
+bool needs_more(const Key& key) {
+  return key.path == "project.unit" || key.path.starts_with("formats.project.") ||
+         key.path.starts_with("light.") || key.path.starts_with("formats.light.") ||
+         key.path.starts_with("formats.normal.");
 }
 
 class KeyEffectsOnValues : public testing::TestWithParam<std::size_t> {};
@@ -429,7 +436,7 @@ TEST_P(KeyEffectsOnValues, AreWhatTheTableSays) {
        {"formats.texture.alpha.overflow",
         "its values are 0..1, and check.cpp wants a format that holds them"}},
       [](const Key& key) {
-        return index_of(key) % parts_of_values == GetParam() && is_tried(key) && !needs_projector(key);
+        return index_of(key) % parts_of_values == GetParam() && is_tried(key) && !needs_more(key);
       });
 }
 
@@ -450,7 +457,7 @@ TEST(KeyEffects, Clocks) {
                  {"formats.shade.step.word", wider},
                  {"formats.shade.step.int", wider}},
                 [](const Key& key) {
-                  return is_tried(key) && !needs_projector(key) &&
+                  return is_tried(key) && !needs_more(key) &&
                          (affects_it(key, affects::clocks) || !affects_it(key, affects::values));
                 });
 }

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "golden/light.hpp"
+
+#include <cmath>
+#include <memory>
+
+#include "config/modes.hpp"
+#include "golden/channel.hpp"
+#include "golden/root.hpp"
+#include "golden/with_real.hpp"
+
+namespace bitspan::golden {
+
+namespace {
+
+// The smallest e with x <= 2^e.
+int octaves(double x) {
+  int e = 0;
+  return std::frexp(x, &e) == 0.5 ? e - 1 : e;
+}
+
+// Q of (j 2^-bits)^power.
+std::int64_t power_of(const Quantizer<Quad>& q, int j, int bits, int power) {
+  if (j == 0) return q.raw(q(Quad(0)));
+  int odd = j;
+  while (odd % 2 == 0) {
+    odd /= 2;
+    --bits;
+  }
+  Quad value = 1;
+  for (int i = 0; i < power; ++i) value *= odd;
+  value = scalbnq(value, -bits * power);
+  if (power * std::log2(odd) <= 112) return q.raw(q(value));  // exact
+  // An odd number of more than 113 bits is on no boundary of the rounding.
+  const Quad margin = pow2<Quad>(-100);
+  const std::int64_t low = q.raw(q(value * (1 - margin)));
+  if (low != q.raw(q(value * (1 + margin)))) {
+    throw std::logic_error("golden: an entry of the highlight's table is too near a rounding boundary");
+  }
+  return low;
+}
+
+template <class Real>
+using Vector = std::array<Real, 3>;
+
+template <class Real>
+struct Shine {
+  Vector<Real> normal{}, direction{};
+  Real cosine = 0, mirrored = 0, specular = 0, value = 0;
+};
+
+template <class Real>
+class Lighting {
+ public:
+  Lighting(const Config& config, int s_exponent, const Scene& scene)
+      : root_(config),
+        q_position_(config.format(FormatId::light_position)),
+        q_normal_(config.format(FormatId::light_normal)),
+        q_direction_(config.format(FormatId::light_direction)),
+        q_cosine_(config.format(FormatId::light_cosine)),
+        q_specular_(config.format(FormatId::light_specular)),
+        q_value_(config.format(FormatId::light_value)),
+        is_point_(scene.light->is_point),
+        middle_{Real(scene.width) * Real(0.5), Real(scene.height) * Real(0.5)},
+        intervals_(1 << config.light_index_bits) {
+    const Light& light = *scene.light;
+    if (is_point_ && !has_points(config.light_source)) {
+      throw InputError("light: stands at a point, and light.source is parallel");
+    }
+    int down = s_exponent;
+    if (is_point_) {
+      const int e = octaves(scene.focal);
+      const Quantizer<Quad> q(config.format(FormatId::light_scale));
+      per_pixel_ = Quantizer<Real>(config.format(FormatId::light_scale))
+                       .value(q.raw(q.quotient(scalbnq(1, e), Quad(scene.focal)))) *
+                   pow2<Real>(-e);
+    } else {
+      double largest = 0;
+      for (const double part : light.place) largest = std::max(largest, std::fabs(part));
+      down = octaves(largest);
+    }
+    const Quantizer<Quad> q_place(config.format(FormatId::light_position));
+    Vector<Quad> place;
+    for (std::size_t i = 0; i < 3; ++i) {
+      place[i] = q_place(Quad(light.place[i]) * scalbnq(1, -down));
+      place_[i] = q_position_.value(q_place.raw(place[i]));
+    }
+    if (!is_point_) {
+      // Once, and its squares are longer than those of a pixel.
+      const Quantizer<Quad> q(config.format(FormatId::light_direction));
+      const Vector<Quad> far = unit(InverseRootUnit<Quad>(config), q, place);
+      for (std::size_t i = 0; i < 3; ++i) far_[i] = q_direction_.value(q.raw(far[i]));
+    }
+    const Quantizer<Quad> q_share(config.format(FormatId::light_value));
+    const Quad ambient = q_share(Quad(light.ambient));
+    const Quad highlight = q_share(Quad(light.specular));
+    const auto share = [&](Quad x) { return q_value_.value(q_share.raw(x)); };
+    ambient_ = share(ambient);
+    highlight_ = share(highlight);
+    diffuse_ = share(q_share(1 - ambient - highlight));
+    const Quantizer<Quad> q_entry(config.format(FormatId::light_specular));
+    for (int j = 0; j <= intervals_; ++j) {
+      table_.push_back(q_specular_.value(power_of(q_entry, j, config.light_index_bits, light.exponent)));
+    }
+  }
+
+  // n: the normal, of any length; x, y: pixels from the left and from the top.
+  Shine<Real> operator()(const Vector<Real>& n, Real x, Real y, Real s) const {
+    Shine<Real> out;
+    out.normal = unit(root_, q_normal_, n);
+    out.direction = is_point_ ? to_light(x, y, s) : far_;
+    const Vector<Real>& l = out.direction;
+    out.cosine = q_cosine_(out.normal[0] * l[0] + out.normal[1] * l[1] + out.normal[2] * l[2]);
+    out.mirrored = q_cosine_(l[2] - 2 * (out.cosine * out.normal[2]));
+    Real sum = ambient_;
+    if (out.cosine > 0) {
+      if (out.mirrored > 0) out.specular = power(out.mirrored);
+      sum = sum + diffuse_ * out.cosine + highlight_ * out.specular;
+    }
+    out.value = q_value_(sum);
+    return out;
+  }
+
+  const Quantizer<Real>& normal() const { return q_normal_; }
+  const Quantizer<Real>& direction() const { return q_direction_; }
+  const Quantizer<Real>& cosine() const { return q_cosine_; }
+  const Quantizer<Real>& specular() const { return q_specular_; }
+  const Quantizer<Real>& value() const { return q_value_; }
+
+ private:
+  template <class T>
+  static Vector<T> unit(const InverseRootUnit<T>& root, const Quantizer<T>& q, const Vector<T>& x) {
+    const T d = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
+    if (d == 0) return {};
+    const InverseRoot<T> inverse = root(d);
+    Vector<T> out;
+    for (std::size_t i = 0; i < 3; ++i) {
+      out[i] =
+          q.product(exact_product(x[i], inverse.m).scaled(pow2<typename RealTraits<T>::Base>(-inverse.e)));
+    }
+    return out;
+  }
+  Vector<Real> to_light(Real x, Real y, Real s) const {
+    const Vector<Real> here{q_position_((x - middle_[0]) * s * per_pixel_),
+                            q_position_((y - middle_[1]) * s * per_pixel_), q_position_(s)};
+    return unit(root_, q_direction_,
+                Vector<Real>{place_[0] - here[0], place_[1] - here[1], place_[2] - here[2]});
+  }
+  Real power(Real cosine) const {
+    const Real place = (cosine > 1 ? Real(1) : cosine) * Real(intervals_);
+    Real j = floor_of(place);
+    if (j > intervals_ - 1) j = intervals_ - 1;
+    const auto at = static_cast<std::size_t>(to_integer(j));
+    return q_specular_(table_[at] + (table_[at + 1] - table_[at]) * (place - j));
+  }
+
+  InverseRootUnit<Real> root_;
+  Quantizer<Real> q_position_, q_normal_, q_direction_, q_cosine_, q_specular_, q_value_;
+  bool is_point_;
+  std::array<Real, 2> middle_;
+  int intervals_;
+  Real per_pixel_ = 0;
+  Vector<Real> place_{}, far_{};
+  Real ambient_ = 0, highlight_ = 0, diffuse_ = 0;
+  std::vector<Real> table_;
+};
+
+// Of fragments.
+template <class Real>
+class FragmentLight {
+ public:
+  FragmentLight(const Config& config, const Constants& constants, const Scene& scene)
+      : at_pixels_(lights_pixels(config.light)),
+        light_(config, constants.s_exponent, scene),
+        q_given_(config.format(FormatId::normal_value)),
+        q_s_(config.format(FormatId::distance_s)),
+        q_color_(config.format(FormatId::texture_color)),
+        normal_(place_of(constants, LineId::nx)),
+        value_(place_of(constants, LineId::light)) {}
+
+  void operator()(std::span<const FragmentRecord* const> fragments,
+                  std::span<const TextureRecord* const> textures,
+                  std::span<const DistanceRecord* const> distances,
+                  std::span<const FragmentChannelRecord* const> channels,
+                  std::vector<LightRecord>& out) const {
+    for (std::size_t i = 0; i < fragments.size(); ++i) {
+      LightRecord& record = out.emplace_back();
+      record.triangle = fragments[i]->triangle;
+      record.x = fragments[i]->x;
+      record.y = fragments[i]->y;
+      if (at_pixels_) {
+        set_brightness(channels[i] + normal_, distances.empty() ? Real(0) : q_s_.value(distances[i]->s),
+                       record);
+      } else {
+        record.value = channels[i][value_].w;
+      }
+      const Real brightness = light_.value().value(record.value);
+      const auto times = [&](std::int64_t c) {
+        return q_color_.raw(q_color_.product(q_color_.value(c), brightness));
+      };
+      record.r = times(textures[i]->r);
+      record.g = times(textures[i]->g);
+      record.b = times(textures[i]->b);
+    }
+  }
+
+ private:
+  void set_brightness(const FragmentChannelRecord* normal, Real s, LightRecord& out) const {
+    const Vector<Real> n{q_given_.value(normal[0].w), q_given_.value(normal[1].w),
+                         q_given_.value(normal[2].w)};
+    const Real half(0.5);
+    const Shine<Real> shine = light_(n, Real(out.x) + half, Real(out.y) + half, s);
+    out.nx = light_.normal().raw(shine.normal[0]);
+    out.ny = light_.normal().raw(shine.normal[1]);
+    out.nz = light_.normal().raw(shine.normal[2]);
+    out.lx = light_.direction().raw(shine.direction[0]);
+    out.ly = light_.direction().raw(shine.direction[1]);
+    out.lz = light_.direction().raw(shine.direction[2]);
+    out.cosine = light_.cosine().raw(shine.cosine);
+    out.mirrored = light_.cosine().raw(shine.mirrored);
+    out.specular = light_.specular().raw(shine.specular);
+    out.value = light_.value().raw(shine.value);
+  }
+
+  bool at_pixels_;
+  Lighting<Real> light_;
+  Quantizer<Real> q_given_, q_s_, q_color_;
+  std::ptrdiff_t normal_, value_;  // in front of which channels those of light stand
+};
+
+}  // namespace
+
+LightStage make_light(Arithmetic arithmetic, const Config& config, const Constants& constants,
+                      const Scene& scene) {
+  // NOLINTNEXTLINE(clang-analyzer-cplusplus.NewDeleteLeaks): see with_real.hpp
+  return with_real(arithmetic,
+                   [&]<class Real>() -> LightStage { return FragmentLight<Real>(config, constants, scene); });
+}
+
+VertexLight make_vertex_light(const Config& config, int s_exponent, const Scene& scene) {
+  const auto light = std::make_shared<const Lighting<Quad>>(config, s_exponent, scene);
+  const Quantizer<Quad> q_xy(config.coordinate_format()), q_s(config.format(FormatId::setup_s)),
+      q_n(config.format(FormatId::normal_value));
+  return [=](const Vertex& v, const Quantizer<Quad>& q) {
+    const Vector<Quad> n{q_n(Quad(v.nx)), q_n(Quad(v.ny)), q_n(Quad(v.nz))};
+    const Quad s = q_s(Quad(v.s) * scalbnq(1, -s_exponent));
+    return q.raw(q((*light)(n, q_xy(Quad(v.x)), q_xy(Quad(v.y)), s).value));
+  };
+}
+
+}  // namespace bitspan::golden

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// light: the brightness of a surface by the light of its view (L1, L2), at a face (L4), a vertex (L5) or a
+// pixel (L6), and a fragment's colour times it. docs/numeric-spec.md, "light".
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "config/config.hpp"
+#include "engine/records.hpp"
+#include "model/numeric/root.hpp"
+#include "model/stages/constants.hpp"
+#include "scene/scene.hpp"
+
+namespace bitspan::model {
+
+struct LightStage {
+  bool is_on = false;  // the configuration has the stage, and the view a light
+  bool at_pixels = false, at_faces = false;
+  bool is_point = false;
+  ReciprocalRoot root;
+  Register given_normal, position, normal, direction, cosine, specular, value, color;
+  Register coordinate, vertex_s, pixel_s;
+  int exponent = 0;                                      // E: distances are divided by 2^E
+  Exact scale;                                           // 1 / F
+  Exact middle_x, middle_y;                              // of the picture, in pixels
+  std::array<Exact, 3> place;                            // of a point, or the direction to what is far away
+  std::array<std::int64_t, 3> far_direction{};           // of length 1
+  std::int64_t ambient = 0, highlight = 0, diffuse = 0;  // their shares, raw, light.value
+  int index_bits = 0;
+  std::vector<std::int64_t> table;  // raw, light.specular; at both ends of 2^index_bits intervals
+};
+// Throws InputError where the view's light is not one that the configuration takes.
+template <class Watch = NoObserve>
+LightStage prepare_light(const Config& config, const Constants& constants, const Scene& scene,
+                         Watch watch = {});
+
+// The channel light at a vertex, raw in `vertex`.
+template <class Watch = NoObserve>
+std::int64_t light_at(const LightStage& stage, const Vertex& v, const Register& vertex, Watch watch = {});
+
+// What light takes of a fragment's channels.
+struct LightChannels {
+  std::array<std::int64_t, 3> normal{};  // raw, normal.value; at pixels
+  std::int64_t value = 0;                // raw, light.value; else
+};
+// A fragment that is drawn; distance: where a light stands at a point.
+template <class Watch = NoObserve>
+void light(const LightStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
+           const LightChannels& channels, const TextureRecord& texture, LightRecord& out, Watch watch = {});
+
+// The texture's record as the stages behind light read it.
+inline TextureRecord lit(TextureRecord texture, const LightRecord& light) {
+  texture.r = light.r;
+  texture.g = light.g;
+  texture.b = light.b;
+  return texture;
+}
+
+}  // namespace bitspan::model
