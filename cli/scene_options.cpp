@@ -75,6 +75,8 @@ void refuse_camera(const std::string& name, const SceneOptions& o) {
   refuse(!o.texture.empty(), "--texture");
   refuse(!o.texture1.empty(), "--texture1");
   refuse(!o.fog.empty(), "--fog");
+  refuse(!o.light.empty(), "--light");
+  refuse(o.unlit, "--unlit");
   refuse(o.no_cull, "--no-cull");
   refuse(o.strict, "--strict");
 }
@@ -117,6 +119,8 @@ SceneOptions seen_with(const Config& config, SceneOptions options) {
   }
   options.depth_bits = config.depth_bits;
   options.depth_code = config.depth_code;
+  options.light_by_unit = has_light(config.light);
+  options.light_points = has_light_points(config);
   return options;
 }
 
@@ -172,6 +176,28 @@ std::optional<ShadowOptions> shadow_of(const SceneOptions& o) {
   return out;
 }
 
+// What --light says; none where there is none.
+std::optional<LightOptions> light_of(const SceneOptions& o) {
+  if (o.light.empty()) return std::nullopt;
+  if (o.unlit) throw InputError("--unlit: draws without light; expected no --light beside it");
+  const bool has_shares = std::ranges::count(o.light, ',') > 2;
+  const auto n =
+      parse_numbers(o.light, "--light", has_shares ? 6 : 3,
+                    has_shares ? "a light and its shares x,y,z,ambient,specular,exponent" : "a light x,y,z");
+  LightOptions out{.place = {n[0], n[1], n[2]}, .is_point = o.light_points, .by_unit = o.light_by_unit};
+  if (has_shares) {
+    if (n[5] != std::floor(n[5]) || std::abs(n[5]) > light_exponent_limit) {
+      throw InputError(fmt::format("--light: the exponent {} is not legal; expected a whole number 1..{}",
+                                   n[5], light_exponent_limit));
+    }
+    out.ambient = n[3];
+    out.specular = n[4];
+    out.exponent = static_cast<int>(n[5]);
+  }
+  check_light(out, "--light");
+  return out;
+}
+
 // What --slide and --slide-from say; up: in the image.
 std::optional<SlideOptions> slide_of(const SceneOptions& o, const Vec3& up) {
   if (o.slide.empty() != o.slide_from.empty()) {
@@ -223,6 +249,9 @@ LoadedScene load_mesh(const std::string& name, const SceneOptions& o, int number
     throw InputError("--texture1: has the unit that --shadow and --slide need; expected one of them");
   }
   options.project.cull = !o.no_cull;
+  options.project.clip_sides = o.clip_sides;
+  options.light = light_of(o);
+  options.unlit = o.unlit;
   options.shadow = shadow_of(o);
   options.slide = slide_of(o, {0, 1, 0});
   ProjectReport faces;
@@ -262,6 +291,15 @@ void add_scene_options(CLI::App& command, SceneOptions& o) {
                   "texture.second = \"own\"")
       ->group(group);
   command.add_option("--fog", o.fog, "mesh: r,g,b,distance of a fog")->group(group);
+  command
+      .add_option(
+          "--light", o.light,
+          "mesh: x,y,z of a light; or x,y,z,ambient,specular,exponent, where ambient and specular are shares "
+          "of 1 (default 0.2,0,32). By light.at of the configuration; where that is none, at the vertices in "
+          "double precision. Far away, unless light.source = \"point\". A mesh without a texture has one at "
+          "the viewer's shoulder")
+      ->group(group);
+  command.add_flag("--unlit", o.unlit, "mesh: without that light")->group(group);
   command
       .add_option(
           "--shadow", o.shadow,
@@ -626,6 +664,8 @@ std::string flags_text(const SceneOptions& o) {
   text("--texture", o.texture);
   text("--texture1", o.texture1);
   text("--fog", o.fog);
+  text("--light", o.light);
+  out += o.unlit ? " --unlit" : "";
   text("--shadow", o.shadow);
   text("--shadow-plane", o.shadow_plane);
   out += o.shadow_volumes ? " --shadow-volumes" : "";

@@ -28,7 +28,11 @@ struct SceneOptions {
   std::string camera;  // "x,y,z", empty: an orbit by yaw and pitch
   std::optional<double> yaw, pitch, distance, fov, near, far;
   std::string texture, texture1;
-  std::string fog;           // "r,g,b,distance"
+  std::string fog;    // "r,g,b,distance"
+  std::string light;  // "x,y,z" or "x,y,z,ambient,specular,exponent"
+  bool unlit = false;
+  // By the configuration: whether brightness is formed by its unit, and whether lights stand at points.
+  bool light_by_unit = false, light_points = false;
   std::string shadow;        // "x,y,z" or "x,y,z,X,Y,Z,degrees"
   std::string shadow_plane;  // "x,y,z,nx,ny,nz"
   bool shadow_volumes = false;
@@ -39,6 +43,7 @@ struct SceneOptions {
   int depth_bits = 16;
   DepthCode depth_code = DepthCode::inverse;
   std::string slide, slide_from;  // an image; "x,y,z,X,Y,Z,degrees"
+  bool clip_sides = true;         // a mesh at the picture's borders
   bool no_cull = false;
   bool strict = false;        // a texture that a mesh names must be there
   bool allow_empty = false;   // a scene that draws nothing is no failure

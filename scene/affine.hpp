@@ -17,6 +17,12 @@ struct Affine {
   Vec3 point(const Vec3& p) const { return direction(p) + offset; }
   // Whether a triangle's front becomes its back.
   bool mirrors() const { return dot(linear[0], cross(linear[1], linear[2])) < 0; }
+  // Of a surface; its length is not kept. The front stays in front.
+  Vec3 normal(const Vec3& n) const {
+    const Vec3 turned = cross(linear[1], linear[2]) * n.x + cross(linear[2], linear[0]) * n.y +
+                        cross(linear[0], linear[1]) * n.z;
+    return mirrors() ? turned * -1 : turned;
+  }
 };
 
 // b first.

@@ -164,6 +164,10 @@ class Conversion {
       const aiVector3D& p = part.mVertices[index];
       MeshCorner corner;
       corner.position = world.point({p.x, p.y, p.z});
+      if (part.HasNormals()) {
+        const aiVector3D& n = part.mNormals[index];
+        corner.normal = world.normal({n.x, n.y, n.z});
+      }
       if (has_uv) {
         corner.u = part.mTextureCoords[channel][index].x;
         corner.v = part.mTextureCoords[channel][index].y;

@@ -114,7 +114,7 @@ struct Node {
 
 struct Primitive {
   Accessor position;
-  std::optional<Accessor> indices, coordinates, second_coordinates, color;
+  std::optional<Accessor> indices, coordinates, second_coordinates, color, normal;
   MaterialCoordinates mapping;
   int material = -1;
   std::uint64_t count = 0;  // of vertices in a row
@@ -153,6 +153,7 @@ class GltfReader {
   std::map<std::size_t, int> images_;             // from the file's to ours
   std::uint64_t points_ = 0, lines_ = 0, without_position_ = 0, without_coordinates_ = 0, skins_ = 0,
                 morphs_ = 0;
+  std::uint64_t bad_normals_ = 0;
 };
 
 void GltfReader::check_extensions() {
@@ -405,6 +406,16 @@ void GltfReader::read_primitive(const Value& json, const Affine& world) {
       attributes.refuse("COLOR_0 has integers; expected normalized ones");
     }
   }
+  // A file stays readable whose normals are not.
+  try {
+    if (attributes.find("NORMAL")) primitive.normal = attribute(attributes, "NORMAL", 3, 3);
+  } catch (const InputError&) {
+    ++bad_normals_;
+  }
+  if (primitive.normal && primitive.normal->count != primitive.position.count) {
+    primitive.normal.reset();
+    ++bad_normals_;
+  }
   for (const std::optional<Accessor>* other :
        {&primitive.coordinates, &primitive.second_coordinates, &primitive.color}) {
     if (*other && (*other)->count != primitive.position.count) {
@@ -438,6 +449,10 @@ MeshCorner GltfReader::corner(const Primitive& primitive, std::uint64_t position
   };
   place(primitive.coordinates, primitive.mapping.base, corner.u, corner.v);
   place(primitive.second_coordinates, primitive.mapping.second, corner.u2, corner.v2);
+  if (primitive.normal) {
+    const auto n = primitive.normal->element(vertex);
+    corner.normal = world.normal({n[0], n[1], n[2]});
+  }
   if (primitive.color) {
     corner.color = primitive.color->element(vertex);
     if (primitive.color->components == 3) corner.color[3] = 1;
@@ -476,6 +491,10 @@ void GltfReader::note_what_is_missing() {
   if (without_coordinates_ > 0) {
     notes.push_back(counted(without_coordinates_, "face") +
                     " without the texture coordinates that the material names; drawn without its image");
+  }
+  if (bad_normals_ > 0) {
+    notes.push_back("the NORMAL of " + counted(bad_normals_, "primitive") +
+                    " is left out: it cannot be read; normals are formed");
   }
   if (skins_ > 0) notes.push_back(counted(skins_, "skin") + " left out: meshes stand where their nodes are");
   if (morphs_ > 0)

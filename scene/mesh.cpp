@@ -173,6 +173,7 @@ Corner corner_of(const MeshCorner& from, const std::array<double, 4>& color, con
   Corner corner{{from.position}, {from.u, from.v, from.color}};
   corner.u2 = from.u2;
   corner.v2 = from.v2;
+  set_normal(corner, of_length_1(from.normal));
   for (std::size_t i = 0; i < 4; ++i) corner.c[i] *= color[i];
   const Vec3& p = corner.position;
   if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z) || !is_finite(corner)) {
@@ -264,7 +265,10 @@ Mesh read_mesh(const std::string& path, const std::optional<std::string>& textur
   return mesh;
 }
 
-Viewpoint make_view(const Mesh& mesh, const Camera& camera, int width, int height) {
+namespace {
+
+// Of the box that holds all corners.
+Vec3 middle_of(const Mesh& mesh) {
   Vec3 low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
            std::numeric_limits<double>::infinity()};
   Vec3 high = low * -1;
@@ -275,7 +279,35 @@ Viewpoint make_view(const Mesh& mesh, const Camera& camera, int width, int heigh
       high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
     }
   }
-  const Vec3 target = camera.target.value_or((low + high) * 0.5);
+  return (low + high) * 0.5;
+}
+
+// Leaves the light that the view has, where the configuration forms brightness of it; else the corners have
+// it. Only where the view has a light there are normals.
+std::optional<Light> light_mesh(Mesh& mesh, const MeshOptions& options, const Viewpoint& view) {
+  const bool has_texture =
+      std::ranges::any_of(mesh.faces, [](const Face& face) { return face.texture >= 0; });
+  const bool is_lit = options.light || (!options.unlit && !has_texture && mesh.texture1 < 0);
+  if (is_lit) {
+    give_normals(mesh.faces);
+    turn_to_viewer(mesh.faces, view, !options.project.cull);
+    if (options.light) check_light(*options.light);
+    const Light light = options.light
+                            ? light_of(*options.light, view, options.camera.target.value_or(middle_of(mesh)))
+                            : shoulder_light();
+    if (options.light && options.light->by_unit) return light;
+    light_corners(mesh.faces, light, view);
+  }
+  for (Face& face : mesh.faces) {
+    for (Corner& corner : face.corner) set_normal(corner, {});
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Viewpoint make_view(const Mesh& mesh, const Camera& camera, int width, int height) {
+  const Vec3 target = camera.target.value_or(middle_of(mesh));
   double radius = 0;
   for (const Face& face : mesh.faces) {
     for (const Corner& corner : face.corner) radius = std::max(radius, length(corner.position - target));
@@ -344,6 +376,7 @@ Scene mesh_scene(Mesh mesh, const MeshOptions& options, ProjectReport& report) {
   scene.focal = view.focal;
   scene.background = options.background;
   scene.fog = options.fog;
+  scene.light = light_mesh(mesh, options, view);
   project(mesh.faces, view, options.project, scene.triangles, report);
   scene.textures = std::move(mesh.textures);
   if (mesh.texture1 >= 0) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "scene/geometry.hpp"
+#include "scene/light.hpp"
 #include "scene/project.hpp"
 #include "scene/scene.hpp"
 #include "scene/shadow.hpp"
@@ -50,6 +51,10 @@ struct MeshOptions {
   ProjectOptions project;
   std::array<std::uint8_t, 3> background{};
   std::optional<Fog> fog;
+  // In the coordinates of the mesh. Without one, a mesh without a texture has a light at the viewer's
+  // shoulder, unless it is to be seen without light.
+  std::optional<LightOptions> light;
+  bool unlit = false;
   // In the coordinates of the mesh; one of them at most.
   std::optional<ShadowOptions> shadow;
   std::optional<SlideOptions> slide;
@@ -62,7 +67,8 @@ struct MeshOptions {
 // turned to run downward. Throws InputError with one line where the file is unreadable or has no triangles, a
 // number is not finite, or a texture is bad. With `bad_textures`, a bad texture that the mesh names appends
 // its line there instead, and its faces have no texture. texture1: as in MeshOptions; a face without second
-// coordinates has its texel at (0, 0), and a mesh without any throws.
+// coordinates has its texel at (0, 0), and a mesh without any throws. Corners have the file's normals, of
+// length 1, where it has some.
 Mesh read_mesh(const std::string& path, const std::optional<std::string>& texture = std::nullopt,
                std::vector<std::string>* bad_textures = nullptr,
                const std::optional<std::string>& texture1 = std::nullopt);

@@ -87,21 +87,23 @@ class MeshReader {
 };
 
 void put_corner(MeshWriter& out, const MeshCorner& corner) {
-  for (const double x : {corner.position.x, corner.position.y, corner.position.z, corner.u, corner.v})
+  for (const double x : {corner.position.x, corner.position.y, corner.position.z, corner.u, corner.v,
+                         corner.normal.x, corner.normal.y, corner.normal.z})
     out.put(x);
   out.put_color(corner.color);
 }
 
 MeshCorner take_corner(MeshReader& in) {
   MeshCorner corner;
-  for (double* x : {&corner.position.x, &corner.position.y, &corner.position.z, &corner.u, &corner.v}) {
+  for (double* x : {&corner.position.x, &corner.position.y, &corner.position.z, &corner.u, &corner.v,
+                    &corner.normal.x, &corner.normal.y, &corner.normal.z}) {
     *x = in.take<double>();
   }
   corner.color = in.take_color();
   return corner;
 }
 
-constexpr std::uint64_t triangle_bytes = std::uint64_t{27} * sizeof(double) + 5;
+constexpr std::uint64_t triangle_bytes = std::uint64_t{36} * sizeof(double) + 5;
 
 }  // namespace
 

@@ -39,6 +39,7 @@ struct MeshCorner {
   double u = 0, v = 0;  // in textures, the origin at the bottom left; any transform of the material is done
   std::array<double, 4> color{1, 1, 1, 1};
   double u2 = 0, v2 = 0;  // the second coordinates, as u and v
+  Vec3 normal{};          // outward, of any length; of length 0 or not finite: the file gives none
 };
 
 // Counterclockwise seen from its front.

@@ -22,7 +22,7 @@ namespace {
 constexpr std::uint32_t no_index = 0xFFFFFFFF;
 
 struct CornerIndex {
-  std::uint32_t position = 0, texture = no_index;
+  std::uint32_t position = 0, texture = no_index, normal = no_index;
 };
 
 // A face before the whole file is known: it may name vertices that come later.
@@ -85,10 +85,7 @@ class ObjReader {
   void read_statement(std::string_view keyword, std::string_view rest) {
     if (keyword == "v") return read_position(rest);
     if (keyword == "vt") return read_texture(rest);
-    if (keyword == "vn") {
-      ++normals_;
-      return;
-    }
+    if (keyword == "vn") return read_normal(rest);
     if (keyword == "f" || keyword == "fo") return read_face(rest);
     if (keyword == "usemtl") return use_material(std::string(trimmed(rest)));
     if (keyword == "mtllib") return read_libraries(rest);
@@ -142,6 +139,13 @@ class ObjReader {
     }
   }
 
+  // A file stays readable whose normals are not: they are of length 0 then.
+  void read_normal(std::string_view rest) {
+    const auto next = [&rest] { return to_number(take_word(rest)); };
+    const std::optional<double> x = next(), y = next(), z = next();
+    normals_.push_back(x && y && z ? Vec3{*x, *y, *z} : Vec3{});
+  }
+
   void read_texture(std::string_view rest) {
     std::array<double, 7> n{};
     const std::size_t count = read_numbers(rest, n);
@@ -182,7 +186,8 @@ class ObjReader {
         const std::size_t second = std::min(behind.find('/'), behind.size());
         if (second != 0) corner.texture = index("vt", behind.substr(0, second), textures_.size());
         if (second + 1 < behind.size()) {
-          face.normal = std::max(face.normal, index("vn", behind.substr(second + 1), normals_) + 1);
+          corner.normal = index("vn", behind.substr(second + 1), normals_.size());
+          face.normal = std::max(face.normal, corner.normal + 1);
         }
       }
       if (face.corners > 0 && (corner.texture == no_index) != (corners_.back().texture == no_index)) {
@@ -286,7 +291,7 @@ class ObjReader {
       refuse("v", corner.position, positions_.size());
       if (corner.texture != no_index) refuse("vt", corner.texture, textures_.size());
     }
-    if (face.normal > 0) refuse("vn", face.normal - 1, normals_);
+    if (face.normal > 0) refuse("vn", face.normal - 1, normals_.size());
   }
 
   void make_triangles() {
@@ -320,6 +325,7 @@ class ObjReader {
   MeshCorner corner_at(std::size_t line, const CornerIndex& at, int material) const {
     MeshCorner corner;
     corner.position = positions_[at.position];
+    if (at.normal != no_index) corner.normal = normals_[at.normal];
     if (!colors_.empty()) {
       std::copy_n(colors_[at.position].begin(), 3, corner.color.begin());
     }
@@ -347,7 +353,7 @@ class ObjReader {
   std::vector<Vec3> positions_;
   std::vector<std::array<double, 3>> colors_;  // of all vertices, or empty
   std::vector<std::array<double, 2>> textures_;
-  std::size_t normals_ = 0;
+  std::vector<Vec3> normals_;
   std::vector<CornerIndex> corners_;
   std::vector<ObjFace> faces_;
 

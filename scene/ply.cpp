@@ -17,7 +17,24 @@ namespace bitspan {
 namespace {
 
 // What a property of an element is read as.
-enum class Use : std::uint8_t { none, x, y, z, u, v, red, green, blue, alpha, indices, texcoord, texnumber };
+enum class Use : std::uint8_t {
+  none,
+  x,
+  y,
+  z,
+  nx,
+  ny,
+  nz,
+  u,
+  v,
+  red,
+  green,
+  blue,
+  alpha,
+  indices,
+  texcoord,
+  texnumber
+};
 
 struct UseName {
   Use use;
@@ -26,6 +43,9 @@ struct UseName {
 constexpr auto vertex_names = std::to_array<UseName>({{Use::x, "x"},
                                                       {Use::y, "y"},
                                                       {Use::z, "z"},
+                                                      {Use::nx, "nx"},
+                                                      {Use::ny, "ny"},
+                                                      {Use::nz, "nz"},
                                                       {Use::u, "u"},
                                                       {Use::v, "v"},
                                                       {Use::u, "s"},
@@ -48,6 +68,7 @@ constexpr auto face_names = std::to_array<UseName>({{Use::indices, "vertex_indic
                                                     {Use::texnumber, "texnumber"}});
 
 bool is_list(Use use) { return use == Use::indices || use == Use::texcoord; }
+bool is_normal(Use use) { return use == Use::nx || use == Use::ny || use == Use::nz; }
 bool is_color(Use use) { return use >= Use::red && use <= Use::alpha; }
 
 // What a value of a colour is divided by.
@@ -59,7 +80,7 @@ double color_max(PlyType type) {
 }
 
 struct PlyVertex {
-  Vec3 position;
+  Vec3 position, normal;
   double u = 0, v = 0;
   std::array<double, 4> color{1, 1, 1, 1};
 };
@@ -129,6 +150,7 @@ class PlyReader {
         const auto known = std::ranges::find(list, property.name, &UseName::name);
         if (known != list.end()) use = known->use;
       }
+      if (is_normal(use) && property.count) use = Use::none;  // a file stays readable whose normals are not
       // The first of two ways to say it counts: red in front of diffuse_red.
       const auto before = std::ranges::find(uses, use);
       if (use != Use::none && before != uses.end()) {
@@ -216,6 +238,15 @@ class PlyReader {
           case Use::z:
             vertex.position.z = data_.read_number(property.type);
             break;
+          case Use::nx:
+            vertex.normal.x = data_.read_loose_number(property.type);
+            break;
+          case Use::ny:
+            vertex.normal.y = data_.read_loose_number(property.type);
+            break;
+          case Use::nz:
+            vertex.normal.z = data_.read_loose_number(property.type);
+            break;
           case Use::u:
             vertex.u = data_.read_number(property.type);
             break;
@@ -296,6 +327,9 @@ class PlyReader {
       case Use::x:
       case Use::y:
       case Use::z:
+      case Use::nx:
+      case Use::ny:
+      case Use::nz:
       case Use::u:
       case Use::v:
         skip_property(property);
@@ -384,7 +418,9 @@ class PlyReader {
     return vertices_[static_cast<std::size_t>(index)];
   }
 
-  static MeshCorner corner_of(const PlyVertex& v) { return {v.position, v.u, v.v, v.color}; }
+  static MeshCorner corner_of(const PlyVertex& v) {
+    return {.position = v.position, .u = v.u, .v = v.v, .color = v.color, .normal = v.normal};
+  }
 
   void make_faces() {
     if (indices_.size() < 2 * faces_.size()) return;  // none

@@ -109,6 +109,11 @@ std::int64_t PlyData::read_integer(PlyType type) {
   return static_cast<std::int64_t>(bits << unused) >> unused;
 }
 
+double PlyData::take_real(PlyType type) {
+  return type == PlyType::float32 ? double{std::bit_cast<float>(static_cast<std::uint32_t>(take_bits(4)))}
+                                  : std::bit_cast<double>(take_bits(8));
+}
+
 double PlyData::read_number(PlyType type) {
   if (!is_real(type)) return static_cast<double>(read_integer(type));
   if (is_ascii()) {
@@ -118,13 +123,18 @@ double PlyData::read_number(PlyType type) {
     return *value;
   }
   const PlyPlace before = place();
-  const double value = type == PlyType::float32
-                           ? double{std::bit_cast<float>(static_cast<std::uint32_t>(take_bits(4)))}
-                           : std::bit_cast<double>(take_bits(8));
+  const double value = take_real(type);
   if (!std::isfinite(value)) {
     throw error(*element_, instance_, before, "a value is not finite; expected a finite number");
   }
   return value;
+}
+
+double PlyData::read_loose_number(PlyType type) {
+  if (is_ascii()) return to_number(take_value()).value_or(0);
+  if (!is_real(type)) return static_cast<double>(read_integer(type));
+  const double value = take_real(type);
+  return std::isfinite(value) ? value : 0;
 }
 
 void PlyData::skip(PlyType type, std::uint64_t count) {

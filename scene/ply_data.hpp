@@ -30,6 +30,8 @@ class PlyData {
   // A real value must be finite.
   std::int64_t read_integer(PlyType type);
   double read_number(PlyType type);
+  // The same, and 0 for what is no finite number.
+  double read_loose_number(PlyType type);
   // Skips `count` values, whatever they are.
   void skip(PlyType type, std::uint64_t count);
 
@@ -52,6 +54,7 @@ class PlyData {
   std::uint64_t bytes_left() const;
   std::string_view take_value();
   std::uint64_t take_bits(std::size_t size);
+  double take_real(PlyType type);  // of binary data
   InputError end() const;
 
   std::string_view bytes_;

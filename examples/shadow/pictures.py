@@ -96,7 +96,7 @@ def main() -> int:
         draw("spot", str(cow(scratch)), "--yaw", "150", "--pitch", "24", "--distance", "4.2",
              "--shadow=4,5,-2,0,-0.2,0,40")
         ground = str(terrain(scratch))
-        camera = ["--yaw", "20", "--pitch", "38", "--distance", "190", "--no-cull"]
+        camera = ["--yaw", "20", "--pitch", "38", "--distance", "190", "--no-cull", "--unlit"]
         draw("terrain", ground, *camera, "--shadow=-230,190,-60", "--shadow-map", "2048")
         for name, bias in [("rays-2", "2"), ("rays-auto", "auto")]:
             maps = scratch / name
