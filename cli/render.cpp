@@ -4,10 +4,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +19,7 @@
 #include "cli/resolved.hpp"
 #include "cli/scene_options.hpp"
 #include "config/store.hpp"
+#include "engine/range.hpp"
 #include "engine/registry.hpp"
 #include "io/atomic_file.hpp"
 #include "io/png.hpp"
@@ -26,6 +29,7 @@
 #include "model/stages/texel.hpp"
 #include "report/dump.hpp"
 #include "report/lockstep.hpp"
+#include "report/stereo.hpp"
 #include "report/table.hpp"
 #include "scene/tri_stream.hpp"
 
@@ -42,6 +46,10 @@ struct RenderArguments {
   bool position = false;
   std::string emit_tri;
   bool plain_textures = false;
+  // Two pictures in one.
+  std::string stereo;  // a layout; empty: one picture
+  std::string stereo_by = "cameras", stereo_zero{to_string(StereoZero::far)};
+  std::optional<double> parallax;
   ModelFlags model;
   SceneOptions view;
 };
@@ -95,7 +103,85 @@ Scene with_plain_textures(Scene scene) {
   return scene;
 }
 
+// The enumerator of that name.
+template <class E>
+E choice(const std::string& text, const char* flag) {
+  const auto found = std::ranges::find(enum_names<E>, text);
+  if (found == enum_names<E>.end()) {
+    throw InputError(
+        fmt::format("{}: {} is not legal; expected {}", flag, text, fmt::join(enum_names<E>, ", ")));
+  }
+  return static_cast<E>(found - enum_names<E>.begin());
+}
+
+void check_stereo(const RenderArguments& o) {
+  if (o.stereo.empty()) {
+    if (o.parallax) throw InputError("--parallax: is of two pictures; give --stereo pair or anaglyph too");
+    return;
+  }
+  choice<StereoLayout>(o.stereo, "--stereo");
+  choice<StereoZero>(o.stereo_zero, "--stereo-zero");
+  if (o.stereo_by != "cameras" && o.stereo_by != "depth") {
+    throw InputError(fmt::format("--stereo-by: {} is not legal; expected cameras, depth", o.stereo_by));
+  }
+  if (o.parallax && !(std::abs(*o.parallax) <= picture_size_limit)) {
+    throw InputError(
+        fmt::format("--parallax: {} is not legal; expected a number of pixels, at most {} either way",
+                    *o.parallax, picture_size_limit));
+  }
+  if (o.output.empty() || !o.dump.empty() || !o.emit_tri.empty() || o.statistics || o.view.supersample > 1) {
+    throw InputError(
+        "--stereo: makes a picture alone; expected -o PICTURE.png without --dump, --emit-tri, --statistics "
+        "and --supersample");
+  }
+}
+
+int render_stereo(const RenderArguments& o, const Config& config, SceneOptions view,
+                  std::string_view engine_name, const EngineOptions& how) {
+  const bool by_depth = o.stereo_by == "depth";
+  // What is beside the picture for the middle may be in that of an eye.
+  view.clip_sides = by_depth;
+  const LoadedScene loaded = load_scene(o.scene, view);
+  const Scene& scene = loaded.scene;
+  const StereoOptions options{o.parallax.value_or(scene.width / 20.0), choice<StereoZero>(o.stereo_zero, "")};
+  const auto drawn = [&](const Scene& what) {
+    check_scene_range(config, what);
+    auto engine = make_engine(engine_name, config, how);
+    engine->begin(what);
+    draw_scene(*engine, what, 0, what.triangles.size(), 0, nullptr);
+    return engine;
+  };
+  std::array<EyePicture, 2> pictures;
+  std::array<std::uint64_t, 2> holes{};
+  const auto middle = by_depth ? drawn(scene) : nullptr;
+  Views views(scene);
+  for (const DrawCommand& command : scene.commands) {
+    if (may_change_view(command)) views.execute(command);
+  }
+  for (const Eye eye : {Eye::left, Eye::right}) {
+    const auto i = static_cast<std::size_t>(eye);
+    if (by_depth) {
+      Warped made = warped(config, with_view(views.now()), middle->frame(), options, eye);
+      pictures[i] = std::move(made.picture);
+      holes[i] = made.holes;
+    } else {
+      const auto engine = drawn(seen_by(scene, options, eye));
+      const Frame& frame = engine->frame();
+      pictures[i] = {frame.width, frame.height, frame.color};
+    }
+  }
+  const EyePicture both = joined(pictures[0], pictures[1], choice<StereoLayout>(o.stereo, ""));
+  write_png(o.output, both.width, both.height, 4, both.rgba);
+  fmt::print("{}: {}x{}, {}, parallax {} pixels each way, {} ({}), {}\n", scene.name, both.width, both.height,
+             o.stereo, options.parallax, config.name, config_hash(config), engine_name);
+  if (by_depth)
+    fmt::print("holes: {} pixels of the left picture, {} of the right one, filled\n", holes[0], holes[1]);
+  fmt::print("{}", faces_line(loaded));
+  return exit_held;
+}
+
 int render(const RenderArguments& o) {
+  check_stereo(o);
   if (o.output.empty() && o.dump.empty() && o.emit_tri.empty()) {
     throw InputError("render: nothing to write; give -o PICTURE.png, --dump DIR or --emit-tri FILE.tri");
   }
@@ -132,6 +218,7 @@ int render(const RenderArguments& o) {
   check_writable(o.output);
   check_writable(o.emit_tri);
   check_dump(o.dump);
+  if (!o.stereo.empty()) return render_stereo(o, config, view, names[0], how);
   // What is emitted is wanted whole.
   SceneSource source =
       o.emit_tri.empty() ? open_scene(o.scene, view) : SceneSource(load_scene(o.scene, view));
@@ -225,6 +312,21 @@ void add_render(CLI::App& app, Action& action) {
                   "write the triangles as a stream, binary where it ends in .trib; textures beside it");
   sub->add_flag("--plain-textures", o->plain_textures,
                 "with --emit-tri: every texture as a PNG, those of a texel format or computed ones decoded");
+  const char* const stereo = "Stereo";
+  sub->add_option("--stereo", o->stereo,
+                  "a picture for each eye: pair, side by side; or anaglyph, red and cyan")
+      ->group(stereo);
+  sub->add_option(
+         "--stereo-by", o->stereo_by,
+         "cameras: the scene is drawn from two places; depth: the pixels of one picture move by their depth")
+      ->capture_default_str()
+      ->group(stereo);
+  sub->add_option("--parallax", o->parallax,
+                  "pixels that the nearest point moves each way (default: a twentieth of the width)")
+      ->group(stereo);
+  sub->add_option("--stereo-zero", o->stereo_zero, "what lies in the screen: far, s_max; near, s_min")
+      ->capture_default_str()
+      ->group(stereo);
   add_model_options(*sub, o->model, "0");
   add_scene_options(*sub, o->view);
   add_supersample(*sub, o->view);
@@ -232,7 +334,8 @@ void add_render(CLI::App& app, Action& action) {
                           "no face of a mesh is drawn (--allow-empty accepts this)",
                           "bitspan render demo -o demo.png --config narrow --dump demo.dump --position\n"
                           "  bitspan render floor -o floor.png --supersample 4\n"
-                          "  bitspan render sea.tri -o sea.png --frame 1"));
+                          "  bitspan render sea.tri -o sea.png --frame 1\n"
+                          "  bitspan render spot.obj -o spot.png --stereo anaglyph --parallax 12"));
   sub->callback([o, &action] { action = [o] { return render(*o); }; });
 }
 

@@ -489,6 +489,58 @@ TEST_F(Cli, AMeshHasASecondTexture) {
   refused("render " + quad + "x -o x.png", "light.pngx: cannot read");
 }
 
+// By the unit, by the front end, and without.
+TEST_F(Cli, AMeshHasALight) {
+  std::string toml = run("config show --toml depth16").out;
+  folder.write("c.toml", toml.insert(toml.find("[fog]"), "[light]\nat = \"pixel\"\n\n"));
+  folder.write("p.toml", toml.insert(toml.find("at = "), "source = \"point\"\n"));
+  const std::string spot = source_path("tests/data/spot.obj") + " --size 96x72";
+  std::set<std::string> pictures;
+  for (const std::string rest :
+       {"", " --unlit", " --light=3,5,-4", " --light=3,5,-4,0.1,0.5,24", " --config c.toml --light=3,5,-4",
+        " --config p.toml --light=3,5,-4", " --config c.toml --light=3,5,-4,0.1,0.5,24"}) {
+    const Result r = run("render " + spot + rest + " -o a.png --emit-tri s.tri");
+    ASSERT_EQ(r.code, 0) << rest << r.err;
+    EXPECT_TRUE(pictures.insert(folder.read("a.png")).second) << rest;
+    const bool by_unit = rest.find(".toml") != std::string::npos;
+    EXPECT_EQ(folder.read("s.tri").find("\"light\":") != std::string::npos, by_unit) << rest;
+    const std::string config = by_unit ? rest.substr(0, rest.find(" --light")) : "";
+    ASSERT_EQ(run("render s.tri -o b.png" + config).code, 0);
+    EXPECT_EQ(folder.read("a.png"), folder.read("b.png")) << rest;
+  }
+  EXPECT_EQ(run("verify " + spot + " --config p.toml --light=3,5,-4 --engines golden,model,systemc").code, 0);
+  refused("render " + spot + " --light 1,2 -o x.png", "--light: ");
+  refused("render " + spot + " --light=1,2,3,0.5,0.6,8 -o x.png", "--light.specular: is not legal");
+  refused("render " + spot + " --light=1,2,3,0.5,0.1,8.5 -o x.png", "--light: the exponent 8.5 is not legal");
+  refused("render " + spot + " --light=1,2,3 --unlit -o x.png", "--unlit: draws without light");
+  refused("render demo --light=1,2,3 -o x.png", "--light is for meshes");
+}
+
+TEST_F(Cli, TwoEyesSeeAPicture) {
+  const std::string spot = source_path("tests/data/spot.obj") + " --size 96x72";
+  std::set<std::string> pictures;
+  for (const std::string rest :
+       {" --stereo pair", " --stereo anaglyph", " --stereo pair --stereo-by depth",
+        " --stereo anaglyph --parallax 3", " --stereo anaglyph --stereo-zero near"}) {
+    const Result r = run("render " + spot + rest + " -o a.png");
+    ASSERT_EQ(r.code, 0) << rest << r.err;
+    EXPECT_NE(r.out.find(rest.find("pair") == std::string::npos ? " 96x72, anaglyph" : " 192x72, pair"),
+              std::string::npos)
+        << r.out;
+    EXPECT_EQ(r.out.find("holes: ") != std::string::npos, rest.find("depth") != std::string::npos) << r.out;
+    EXPECT_TRUE(pictures.insert(folder.read("a.png")).second) << rest;
+  }
+  EXPECT_EQ(run("render mirror --size 96x72 --stereo pair --stereo-by depth -o a.png").code, 0);
+  refused("render mirror --size 96x72 --stereo pair -o a.png", "--stereo: a scene in passes");
+  refused("render " + spot + " --stereo both -o a.png",
+          "--stereo: both is not legal; expected pair, anaglyph");
+  refused("render " + spot + " --stereo pair --stereo-by eye -o a.png", "--stereo-by: eye is not legal");
+  refused("render " + spot + " --stereo pair --stereo-zero no -o a.png", "--stereo-zero: no is not legal");
+  refused("render " + spot + " --stereo pair --parallax 1e9 -o a.png", "--parallax: 1000000000 is not legal");
+  refused("render " + spot + " --parallax 3 -o a.png", "--parallax: is of two pictures");
+  refused("render " + spot + " --stereo pair --dump d", "--stereo: makes a picture alone");
+}
+
 // A plan of two passes, whichever scene the light falls on.
 TEST_F(Cli, AnySceneHasShadows) {
   std::string toml = run("config show --toml depth16").out;

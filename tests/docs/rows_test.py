@@ -81,7 +81,7 @@ class Rows(unittest.TestCase):
         text = PAGE.read_text()
         for old, new, problem in (
             ("| D1 |", "| D7 |", "D7: no row of the source documents"),
-            ("| ST3 | anaglyph | P |\n", "", "ST3: no line"),
+            ("| C2 | forward differences: polynomials by adders alone | S |\n", "", "C2: no line"),
             ("| ST1 |", "| ST2 |", "ST2: stands twice"),
             ("perspective by adders and one reciprocal per pixel (delta-f)", " ", "T1: 6 cells, not all of 6 are filled"),
             ("| L3 | lunar model | S |", "| L3 | lunar model | X |", "L3: no such role: X"),
