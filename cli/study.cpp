@@ -23,6 +23,7 @@
 #include "cli/progress.hpp"
 #include "cli/scene_options.hpp"
 #include "cli/study_results.hpp"
+#include "config/modes.hpp"
 #include "config/store.hpp"
 #include "io/atomic_file.hpp"
 #include "io/json_depth.hpp"
@@ -30,6 +31,7 @@
 #include "scene/camera_views.hpp"
 #include "scene/tri_stream.hpp"
 #include "study/area_estimate.hpp"
+#include "study/keys.hpp"
 #include "study/merge.hpp"
 #include "study/metrics.hpp"
 #include "study/point.hpp"
@@ -95,6 +97,49 @@ Scene loaded_again(const Scene& scene, const Config& config) {
   std::vector<Scene> out = scenes_of({scene.name}, scene.width, scene.height, true, config, true);
   if (out.size() != 1) throw InputError(fmt::format("{}: is {} scenes", scene.name, out.size()));
   return std::move(out[0]);
+}
+
+// The values that the points of a study have of a key: those of its axis, and the base's where they keep it.
+std::vector<KeyValue> values_of(const StudyPlan& plan, const std::string& key) {
+  std::vector<KeyValue> out;
+  for (const Axis& axis : plan.axes) {
+    const auto at = std::ranges::find(axis.keys, key) - axis.keys.begin();
+    if (at == std::ssize(axis.keys)) continue;
+    for (const auto& values : axis.values) out.push_back(values[static_cast<std::size_t>(at)]);
+  }
+  if (out.empty() || plan.arrangement == Arrangement::one_at_a_time) {
+    out.push_back(value_of_key(plan.base, key));
+  }
+  return out;
+}
+
+// The scenes of a study, lit as all of its points ask for. Throws InputError where a scene is not the same
+// for all: a mesh is lit by the unit of the configuration, or by the front end where there is none.
+std::vector<Scene> scenes_of(const StudyPlan& plan, const std::vector<std::string>& names, bool allow_empty) {
+  std::vector<Config> asked;
+  for (const KeyValue& at : values_of(plan, "light.at")) {
+    for (const KeyValue& source : values_of(plan, "light.source")) {
+      const Config config = with_keys(plan.base, {{"light.at", at}, {"light.source", source}});
+      const auto same = [&](const Config& c) {
+        return has_light(c.light) == has_light(config.light) &&
+               has_light_points(c) == has_light_points(config);
+      };
+      if (std::ranges::none_of(asked, same)) asked.push_back(config);
+    }
+  }
+  std::vector<Scene> out = scenes_of(names, plan.width, plan.height, allow_empty, asked[0]);
+  for (std::size_t i = 1; i < asked.size(); ++i) {
+    const std::vector<Scene> other = scenes_of(names, plan.width, plan.height, allow_empty, asked[i]);
+    for (std::size_t s = 0; s < out.size(); ++s) {
+      if (scene_hash(out[s]) == scene_hash(other[s])) continue;
+      throw InputError(
+          fmt::format("{}: {}: the points do not light it alike, and all measure one scene; expected "
+                      "light.at none at all "
+                      "points or at no point, one light.source, or --unlit behind the scene",
+                      plan.name, out[s].name));
+    }
+  }
+  return out;
 }
 
 Measure make_meter(std::vector<Scene> scenes) {
@@ -228,9 +273,7 @@ int cut_short(const StudyArguments& o, const std::string& so_far, const Store& s
 // holds or something that is recommended does not.
 int end_study(const StudyArguments& o, const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
               const Interrupt& interrupt, bool any_holds) {
-  const auto load = [&](const std::string& name) {
-    return scenes_of({name}, plan.width, plan.height, o.allow_empty, plan.base);
-  };
+  const auto load = [&](const std::string& name) { return scenes_of(plan, {name}, o.allow_empty); };
   const bool held = interrupt.exit_code() == 0 &&
                     examine_recommendations(plan, scenes, load, loaded_again, store, interrupt.token());
   if (interrupt.exit_code() != 0) return cut_short(o, "", store, interrupt);
@@ -303,7 +346,7 @@ int run_study(const StudyArguments& o) {
   check_writable(o.csv);
   check_writable(o.scenes_csv);
   if (!o.report.empty()) make_writable_folder(o.report);
-  const std::vector<Scene> scenes = scenes_of(plan.scenes, plan.width, plan.height, o.allow_empty, plan.base);
+  const std::vector<Scene> scenes = scenes_of(plan, plan.scenes, o.allow_empty);
   check_report(plan, scenes);
   Store store(database_of(o, plan, shard), BITSPAN_VERSION);
   PointRunner runner(plan.base, scenes, make_meter, store, BITSPAN_VERSION, asked_of(plan));

@@ -36,6 +36,12 @@ enum Row {
   row_project_t,
   row_project_z,
   row_texture_color,
+  row_light_normal,
+  row_light_direction,
+  row_light_cosine,
+  row_light_specular,
+  row_light_value,
+  row_light_color,
   row_fog_factor,
   row_fog_color,
   row_picture_color,
@@ -62,6 +68,12 @@ constexpr std::array<FieldQuantity, row_count> quantities{{
     {"project", "t", "texel"},
     {"project", "z", "depth code"},
     {"texture", "colour", "colour code"},
+    {"light", "normal", "1"},
+    {"light", "direction", "1"},
+    {"light", "cosine", "1"},
+    {"light", "specular", "1"},
+    {"light", "value", "1"},
+    {"light", "colour", "colour code"},
     {"fog", "factor", "1"},
     {"fog", "colour", "colour code"},
     {"picture", "colour", "colour code"},
@@ -338,6 +350,12 @@ ErrorMeter::ErrorMeter(const Config& config, const Scene& scene) : config_(confi
                                                         F::span_uv,
                                                         {},
                                                         F::texture_color,
+                                                        F::light_normal,
+                                                        F::light_direction,
+                                                        F::light_cosine,
+                                                        F::light_specular,
+                                                        F::light_value,
+                                                        F::texture_color,
                                                         F::fog_factor,
                                                         F::fog_color,
                                                         {},
@@ -413,6 +431,7 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
   std::size_t depth = 0;
   std::size_t project = 0;
   std::size_t texture = 0;
+  std::size_t light = 0;
   std::size_t fog = 0;
   // Records stand in the order of the triangles, so there is one cursor per type.
   for (std::size_t n = 0; n < truth.size(); ++n) {
@@ -492,6 +511,23 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
       }
       const std::array<std::int64_t, 3> rgb{r.r, r.g, r.b};
       for (std::size_t i = 0; i < 3; ++i) note(row_texture_color, rgb[i], f.color[i]);
+    }
+    for (; light < trace.light.size() && trace.light[light].triangle == index; ++light) {
+      const LightRecord& r = trace.light[light];
+      const IdealFragment f = truth.at(n, r.x, r.y);
+      if (f.killed) continue;
+      note(row_light_value, r.value, f.light.value);
+      if (lights_pixels(config_.light)) {
+        const std::array<std::int64_t, 3> normal{r.nx, r.ny, r.nz};
+        const std::array<std::int64_t, 3> direction{r.lx, r.ly, r.lz};
+        for (std::size_t i = 0; i < 3; ++i) note(row_light_normal, normal[i], f.light.normal[i]);
+        for (std::size_t i = 0; i < 3; ++i) note(row_light_direction, direction[i], f.light.direction[i]);
+        note(row_light_cosine, r.cosine, f.light.cosine);
+        note(row_light_specular, r.specular, f.light.specular);
+      }
+      if (combines_ || looks_up_otherwise_) continue;
+      const std::array<std::int64_t, 3> rgb{r.r, r.g, r.b};
+      for (std::size_t i = 0; i < 3; ++i) note(row_light_color, rgb[i], f.lit[i]);
     }
     for (; fog < trace.fog.size() && trace.fog[fog].triangle == index; ++fog) {
       const FogRecord& r = trace.fog[fog];

@@ -247,6 +247,29 @@ TEST_F(Study, ExitsByItsConstraints) {
       << level.out;
 }
 
+// A mesh is lit by the unit of a configuration, or by the front end where it has none.
+TEST_F(Study, LightsAMeshAsItsPointsAsk) {
+  const auto lit = [&](const std::string& axes, const std::string& flags = "") {
+    return "[study]\nname = \"s\"\nbase = \"depth16\"\nsize = \"48x36\"\nscenes = [\"" +
+           source_path("tests/data/spot.obj") + " " + flags + "\"]\n" + axes;
+  };
+  const std::string pixels = "[[vary]]\nkeys = [\"light.at\"]\nvalues = [\"pixel\"]\n";
+  const std::string limit = "[[constraint]]\nmetric = \"light.value.max\"\nat_most = 0.01\n";
+  folder.write("s.toml", lit(pixels + limit, "--light=3,5,-4,0.2,0.3,8"));
+  EXPECT_EQ(run("s.toml").code, 0) << "the base has no unit, and its points have it";
+  folder.write("s.toml", lit(pixels + "[[constraint]]\nmetric = \"light.value.max\"\nat_most = 0\n",
+                             "--light=3,5,-4,0.2,0.3,8"));
+  EXPECT_EQ(run("s.toml").code, 1) << "no light is exact";
+  for (const std::string axis : {"[[vary]]\nkeys = [\"light.at\"]\nvalues = [\"none\", \"pixel\"]\n",
+                                 "[[vary]]\nkeys = [\"light.at\", \"light.source\"]\n"
+                                 "values = [[\"pixel\", \"parallel\"], [\"pixel\", \"point\"]]\n"}) {
+    folder.write("s.toml", lit(axis, "--light=3,5,-4"));
+    refused("s.toml", "the points do not light it alike");
+    folder.write("s.toml", lit(axis, "--unlit"));
+    EXPECT_EQ(run("s.toml").code, 0) << axis;
+  }
+}
+
 TEST_F(Study, MeasuresOnePoint) {
   const Result r = run("--point depth16 a.tri --db p.db");
   EXPECT_EQ(r.code, 0) << r.err;

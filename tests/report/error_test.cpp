@@ -94,6 +94,51 @@ TEST(Error, EndsWithoutValuesAreNotMeasured) {
   EXPECT_FALSE(ideal_value(RecordType::row, "l_h", raw, c, s, s.triangles[0]));
 }
 
+// Where the light works, the parts of a brightness are close to the truth, and a change of one of them shows
+// in its own row alone.
+TEST(Error, EachPartOfALightIsMeasured) {
+  Scene s = scene();
+  s.light = Light{.is_point = true, .place = {-10, -20, -5}, .ambient = 0.2, .specular = 0.3, .exponent = 32};
+  for (Triangle& t : s.triangles) {
+    for (Vertex& v : t.v) v.nx = 0.4, v.ny = -0.3, v.nz = -0.8;
+  }
+  Config c = config();
+  c.light_source = LightSource::point;
+  for (const LightAt at : {LightAt::face, LightAt::vertex, LightAt::pixel}) {
+    c.light = at;
+    const auto engine = make_model(c);
+    engine->begin(s);
+    Trace trace;
+    engine->draw(s.triangles, 0, &trace);
+    ASSERT_GT(trace.light.size(), 1000U);
+    const auto measured = [&] {
+      ErrorMeter meter(c, s);
+      meter.add(s.triangles, 0, trace);
+      return meter.report();
+    };
+    const ErrorReport before = measured();
+    const bool at_pixels = at == LightAt::pixel;
+    for (const auto* part : {"normal", "direction", "cosine", "specular"}) {
+      const ErrorStat& stat = row(before, "light", part).stat;
+      EXPECT_EQ(stat.count != 0, at_pixels) << part;
+      EXPECT_LT(stat.max, 1e-3) << part;
+      EXPECT_EQ(stat.power > 0, at_pixels) << part;
+    }
+    EXPECT_EQ(row(before, "light", "value").stat.count, trace.light.size());
+    EXPECT_LT(row(before, "light", "value").stat.max, 1e-3);
+    EXPECT_LT(row(before, "light", "colour").stat.max, 0.25);
+    for (LightRecord& r : trace.light) r.value += 4, r.cosine += 8;
+    const ErrorReport after = measured();
+    for (std::size_t i = 0; i < after.rows.size(); ++i) {
+      const ErrorRow& r = after.rows[i];
+      const bool is_moved =
+          r.stage == "light" && (r.quantity == "value" || (at_pixels && r.quantity == "cosine"));
+      const double by = is_moved ? (r.quantity == "value" ? 4 : 8) * r.ulp : 0;
+      EXPECT_NEAR(r.stat.mean(), before.rows[i].stat.mean() + by, 1e-12) << r.stage << "." << r.quantity;
+    }
+  }
+}
+
 TEST(Error, AnOffsetIsMeasuredAsItself) {
   const Scene s = scene();
   Trace trace = draw(s);
