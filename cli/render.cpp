@@ -48,7 +48,7 @@ struct RenderArguments {
   bool plain_textures = false;
   // Two pictures in one.
   std::string stereo;  // a layout; empty: one picture
-  std::string stereo_by = "cameras", stereo_zero{to_string(StereoZero::far)};
+  std::optional<std::string> stereo_by, stereo_zero;
   std::optional<double> parallax;
   ModelFlags model;
   SceneOptions view;
@@ -103,27 +103,37 @@ Scene with_plain_textures(Scene scene) {
   return scene;
 }
 
-// The enumerator of that name.
+// The enumerator of that name; the first one where there is none.
 template <class E>
-E choice(const std::string& text, const char* flag) {
-  const auto found = std::ranges::find(enum_names<E>, text);
+E choice(const std::optional<std::string>& text, const char* flag) {
+  if (!text) return E{};
+  const auto found = std::ranges::find(enum_names<E>, *text);
   if (found == enum_names<E>.end()) {
     throw InputError(
-        fmt::format("{}: {} is not legal; expected {}", flag, text, fmt::join(enum_names<E>, ", ")));
+        fmt::format("{}: {} is not legal; expected {}", flag, *text, fmt::join(enum_names<E>, ", ")));
   }
   return static_cast<E>(found - enum_names<E>.begin());
 }
 
-void check_stereo(const RenderArguments& o) {
+struct Stereo {
+  StereoLayout layout;
+  StereoBy by;
+  StereoZero zero;
+};
+// What the flags ask for; none: one picture.
+std::optional<Stereo> stereo_of(const RenderArguments& o) {
   if (o.stereo.empty()) {
-    if (o.parallax) throw InputError("--parallax: is of two pictures; give --stereo pair or anaglyph too");
-    return;
+    for (const auto& [flag, is_given] : {std::pair{"--parallax", o.parallax.has_value()},
+                                         {"--stereo-by", o.stereo_by.has_value()},
+                                         {"--stereo-zero", o.stereo_zero.has_value()}}) {
+      if (is_given) {
+        throw InputError(fmt::format("{}: is of two pictures; give --stereo pair or anaglyph too", flag));
+      }
+    }
+    return std::nullopt;
   }
-  choice<StereoLayout>(o.stereo, "--stereo");
-  choice<StereoZero>(o.stereo_zero, "--stereo-zero");
-  if (o.stereo_by != "cameras" && o.stereo_by != "depth") {
-    throw InputError(fmt::format("--stereo-by: {} is not legal; expected cameras, depth", o.stereo_by));
-  }
+  const Stereo out{choice<StereoLayout>(o.stereo, "--stereo"), choice<StereoBy>(o.stereo_by, "--stereo-by"),
+                   choice<StereoZero>(o.stereo_zero, "--stereo-zero")};
   if (o.parallax && !(std::abs(*o.parallax) <= picture_size_limit)) {
     throw InputError(
         fmt::format("--parallax: {} is not legal; expected a number of pixels, at most {} either way",
@@ -134,16 +144,17 @@ void check_stereo(const RenderArguments& o) {
         "--stereo: makes a picture alone; expected -o PICTURE.png without --dump, --emit-tri, --statistics "
         "and --supersample");
   }
+  return out;
 }
 
-int render_stereo(const RenderArguments& o, const Config& config, SceneOptions view,
+int render_stereo(const RenderArguments& o, const Stereo& stereo, const Config& config, SceneOptions view,
                   std::string_view engine_name, const EngineOptions& how) {
-  const bool by_depth = o.stereo_by == "depth";
+  const bool by_depth = stereo.by == StereoBy::depth;
   // What is beside the picture for the middle may be in that of an eye.
   view.clip_sides = by_depth;
   const LoadedScene loaded = load_scene(o.scene, view);
   const Scene& scene = loaded.scene;
-  const StereoOptions options{o.parallax.value_or(scene.width / 20.0), choice<StereoZero>(o.stereo_zero, "")};
+  const StereoOptions options{o.parallax.value_or(scene.width / 20.0), stereo.zero};
   const auto drawn = [&](const Scene& what) {
     check_scene_range(config, what);
     auto engine = make_engine(engine_name, config, how);
@@ -170,7 +181,7 @@ int render_stereo(const RenderArguments& o, const Config& config, SceneOptions v
       pictures[i] = {frame.width, frame.height, frame.color};
     }
   }
-  const EyePicture both = joined(pictures[0], pictures[1], choice<StereoLayout>(o.stereo, ""));
+  const EyePicture both = joined(pictures[0], pictures[1], stereo.layout);
   write_png(o.output, both.width, both.height, 4, both.rgba);
   fmt::print("{}: {}x{}, {}, parallax {} pixels each way, {} ({}), {}\n", scene.name, both.width, both.height,
              o.stereo, options.parallax, config.name, config_hash(config), engine_name);
@@ -181,7 +192,7 @@ int render_stereo(const RenderArguments& o, const Config& config, SceneOptions v
 }
 
 int render(const RenderArguments& o) {
-  check_stereo(o);
+  const std::optional<Stereo> stereo = stereo_of(o);
   if (o.output.empty() && o.dump.empty() && o.emit_tri.empty()) {
     throw InputError("render: nothing to write; give -o PICTURE.png, --dump DIR or --emit-tri FILE.tri");
   }
@@ -218,7 +229,7 @@ int render(const RenderArguments& o) {
   check_writable(o.output);
   check_writable(o.emit_tri);
   check_dump(o.dump);
-  if (!o.stereo.empty()) return render_stereo(o, config, view, names[0], how);
+  if (stereo) return render_stereo(o, *stereo, config, view, names[0], how);
   // What is emitted is wanted whole.
   SceneSource source =
       o.emit_tri.empty() ? open_scene(o.scene, view) : SceneSource(load_scene(o.scene, view));
@@ -318,14 +329,14 @@ void add_render(CLI::App& app, Action& action) {
       ->group(stereo);
   sub->add_option(
          "--stereo-by", o->stereo_by,
-         "cameras: the scene is drawn from two places; depth: the pixels of one picture move by their depth")
-      ->capture_default_str()
+         "cameras: the scene is drawn from two places; depth: the pixels of one picture move by their depth "
+         "(default: cameras)")
       ->group(stereo);
   sub->add_option("--parallax", o->parallax,
                   "pixels that the nearest point moves each way (default: a twentieth of the width)")
       ->group(stereo);
-  sub->add_option("--stereo-zero", o->stereo_zero, "what lies in the screen: far, s_max; near, s_min")
-      ->capture_default_str()
+  sub->add_option("--stereo-zero", o->stereo_zero,
+                  "what lies in the screen: far, s_max; near, s_min (default: far)")
       ->group(stereo);
   add_model_options(*sub, o->model, "0");
   add_scene_options(*sub, o->view);

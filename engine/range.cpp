@@ -225,6 +225,7 @@ class RangeCheck {
   void look(std::span<const Triangle> triangles, std::int64_t first, RangeBy by) {
     if (view_.fog && has_vertex_fog(c_.fog)) vertex_fog(triangles, first);
     if (view_.projector && has_project(c_.project)) vertex_projection(triangles, first);
+    if (view_.light && view_.light->is_point && lights_vertices(c_.light)) vertex_light(triangles, first);
     if (has_perspective_shades(c_.shade_lines)) vertex_shades(triangles, first);
     if (has_second_coordinates(c_.second_coordinates)) vertex_second(triangles, first);
     if (by == RangeBy::bounds && surely_held(triangles)) return;
@@ -390,8 +391,47 @@ class RangeCheck {
       add(F::project_ratio, Interval{1 / of.s_max, 1 / of.s_min}, kNoTriangle);
       add_depth(F::project_h, {0, of.b * (of.s_max - of.s_min) / of.s_min}, 0);
     }
+    if (view_.light && has_light(c_.light)) light(*view_.light);
     if (view_.fog && is_linear_in_distance(c_.fog)) linear_fog();
     if (!view_.fog || !has_fog(c_.fog)) add(F::fog_factor, 1, kNoTriangle);
+  }
+
+  // Where it stands, and the points that it is seen from; or its direction, whose largest part is 1/2 to 1.
+  void light(const Light& light) {
+    const auto octaves = [](double x) {  // the smallest e with x <= 2^e
+      int e = 0;
+      return std::frexp(x, &e) == 0.5 ? e - 1 : e;
+    };
+    int down = exponent_;
+    if (light.is_point) {
+      const auto focal = static_cast<Real>(view_.focal);
+      add(F::light_scale, std::ldexp(1 / focal, octaves(view_.focal)), kNoTriangle);
+      if (lights_pixels(c_.light)) {
+        for (const int size : {view_.width, view_.height}) {
+          const Real most = static_cast<Real>(size - 1) / 2 * s_max_ / focal;
+          add(F::light_position, Interval{-most, most}, kNoTriangle);
+        }
+        add(F::light_position, Interval{s_min_, s_max_}, kNoTriangle);
+      }
+    } else {
+      double most = 0;
+      for (const double part : light.place) most = std::max(most, std::fabs(part));
+      down = octaves(most);
+    }
+    for (const double part : light.place) {
+      add(F::light_position, std::ldexp(static_cast<Real>(part), -down), kNoTriangle);
+    }
+  }
+  void vertex_light(std::span<const Triangle> triangles, std::int64_t first) {
+    for_each_vertex(triangles, first, [this](const Vertex& v, Real /*h*/, std::int64_t index) {
+      const Real s = std::ldexp(static_cast<Real>(v.s), -exponent_);
+      const Real per_pixel = s / static_cast<Real>(view_.focal);
+      add(F::light_position, (static_cast<Real>(v.x) - static_cast<Real>(view_.width) / 2) * per_pixel,
+          index);
+      add(F::light_position, (static_cast<Real>(v.y) - static_cast<Real>(view_.height) / 2) * per_pixel,
+          index);
+      add(F::light_position, s, index);
+    });
   }
 
   void linear_fog() {

@@ -19,7 +19,8 @@ enum class RangeBy : std::uint8_t {
 // Throws InputError naming the field, the range it has, the range it needs, the integer bits that hold it,
 // and the key that allows the overflow. Checks the fields that the configured modes use, over the values of
 // the ideal surface inside the triangles (vertices quantised, slopes exact). Not checked: slope registers (an
-// edge may be one 2^-subpixel_bits high), and what rounding of slopes, or the half pixel between a row of
+// edge may be one 2^-subpixel_bits high), normals and what light makes of them, whose parts are at most 1 or
+// stop at the register's end, and what rounding of slopes, or the half pixel between a row of
 // constant depth and a pixel centre, carries an accumulator past those values. Expects a configuration that
 // check_config accepts and finite vertices with s in [s_min, s_max].
 void check_scene_range(const Config& config, const Scene& scene, RangeBy by = RangeBy::bounds);

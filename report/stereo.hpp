@@ -21,6 +21,8 @@ namespace bitspan {
 BITSPAN_ENUM(StereoZero, far, near);
 // How the two pictures become one: side by side, or the left one's red and the right one's green and blue.
 BITSPAN_ENUM(StereoLayout, pair, anaglyph);
+// Where they come from: the scene is drawn from two places, or one picture's pixels move by their depth.
+BITSPAN_ENUM(StereoBy, cameras, depth);
 enum class Eye : std::uint8_t { left, right };
 
 struct StereoOptions {

@@ -537,7 +537,9 @@ TEST_F(Cli, TwoEyesSeeAPicture) {
   refused("render " + spot + " --stereo pair --stereo-by eye -o a.png", "--stereo-by: eye is not legal");
   refused("render " + spot + " --stereo pair --stereo-zero no -o a.png", "--stereo-zero: no is not legal");
   refused("render " + spot + " --stereo pair --parallax 1e9 -o a.png", "--parallax: 1000000000 is not legal");
-  refused("render " + spot + " --parallax 3 -o a.png", "--parallax: is of two pictures");
+  for (const std::string flag : {"--stereo-by depth", "--stereo-zero far", "--parallax 3"}) {
+    refused("render " + spot + " -o a.png " + flag, "is of two pictures; give --stereo");
+  }
   refused("render " + spot + " --stereo pair --dump d", "--stereo: makes a picture alone");
 }
 

@@ -372,6 +372,52 @@ TEST(Range, AProjectorAsksForItsVerticesTheirProductsAndItsRange) {
   EXPECT_NE(refusal(c, scene).find("projector.s_min"), std::string::npos) << refusal(c, scene);
 }
 
+TEST(Range, ALightAsksForItsPlaceAndThePointsItIsSeenFrom) {
+  Config c = shipped_config("depth16");
+  c.light_source = LightSource::point;
+  Scene scene;
+  scene.width = 200;
+  scene.height = 100;
+  scene.s_min = 1;
+  scene.s_max = 16;
+  scene.focal = 12.5;
+  Triangle& triangle = scene.triangles.emplace_back();
+  triangle.v = {Vertex{-300, 1, 4, 0, 0}, Vertex{90, 5, 8, 0, 0}, Vertex{5, 80, 2, 0, 0}};
+  scene.light = Light{.is_point = true, .place = {-3, 2, -5}};
+  // In units of 16: at pixels 99.5 / 12.5 to each side, and at the vertices -400 / 12.5 / 4.
+  for (const auto& [at, most] :
+       {std::pair{LightAt::pixel, 7.96}, {LightAt::vertex, -8.0}, {LightAt::face, -8.0}}) {
+    c.light = at;
+    Config narrow = c;
+    Format& f = narrow.format(F::light_position);
+    const auto with_places = [&](int integer) {
+      f.word = integer + f.fraction();
+      f.integer = integer;
+      return refusal(narrow, scene);
+    };
+    EXPECT_EQ(with_places(4), "") << "-8 to below 8";
+    EXPECT_TRUE(names(with_places(3), F::light_position));
+    EXPECT_EQ(number_after(with_places(3), "int = "), 4) << most;
+    EXPECT_NE(with_places(3).find(most < 0 ? "-8 (triangle 0)" : "7.96"), std::string::npos)
+        << with_places(3);
+    f.overflow_expected = true;
+    EXPECT_EQ(with_places(1), "");
+    narrow.light = LightAt::none;
+    f.overflow_expected = false;
+    EXPECT_EQ(with_places(1), "") << "no light";
+  }
+  const Scene near = scene;
+  scene.light->place = {0, 128 * 16.0, 0};
+  EXPECT_TRUE(names(refusal(c, scene), F::light_position)) << "ends below 128";
+  scene.light->place = {0, -128 * 16.0, 0};
+  EXPECT_EQ(refusal(c, scene), "");
+  scene.light = Light{.is_point = false, .place = {0, 1e30, 1e29}};
+  EXPECT_EQ(refusal(c, scene), "") << "a direction of any length";
+  c.format(F::light_scale) = {24, 0, false, Rounding::rnd, Overflow::sat, false};
+  EXPECT_EQ(refusal(c, scene), "");
+  EXPECT_TRUE(names(refusal(c, near), F::light_scale)) << "16 / 12.5";
+}
+
 TEST(Range, DegenerateAndInvisibleTrianglesAskForNothingTheyDoNotUse) {
   Config c = shipped_config("depth16");
   Scene scene;
