@@ -388,7 +388,7 @@ TEST(PixelPipe, PlantedBugsOfWhatComesWithFragmentsAreSeen) {
       {"rtl/pixel_pipe.sv", ".in_factor_i(FactorW'(judged_tag))",
        ".in_factor_i(judged_tag[TagW-1-:FactorW])"},
       {"rtl/pixel_pipe.sv", "in_tag[FactorW-1:0] = in_factor_i;", "in_tag[FactorW-1:0] = in_factor_i >> 1;"},
-      {"rtl/pixel_pipe.sv", "assign in_line = in_line_i;", "assign in_line = in_h_i;"},
+      {"rtl/pixel_pipe.sv", "assign in_line = in_line_i;", "assign in_line = {in_h_i};"},
       {"rtl/pixel_pipe.sv", "assign in_tag[TagW-SlotW-1-:HW] = in_h_i;",
        "assign in_tag[TagW-SlotW-1-:HW] = in_line_i;"},
       {"rtl/pixel_pipe.sv", "((HasLine != 0) ? SlotW : TagW+2*CoordW)", "(TagW+2*CoordW)"},
