@@ -159,7 +159,7 @@ std::string path_of(const Config& config, std::string_view stage, int bits) {
                           spans_fit_int32(span_formats(config));
     return blocks32 ? lanes32 : held_in != ShadeLanes::scalar ? lanes64 : scalar;
   }
-  if (rows_of_depth || stage == "setup.gradient" || stage == "distance") return scalar;
+  if (rows_of_depth || stage == "setup.gradient" || stage == "distance" || stage == "light") return scalar;
   if (stage == "lod") return fits_lanes(prepare_lod(config, constants_with(1))) ? lanes_mixed : scalar;
   if (stage == "span") return span_path(config);
   if (stage == "depth") return prepare_depth(config, constants_with(1)).fits_int64 ? lanes64 : lanes128;

@@ -10,6 +10,7 @@
 #include "model/simd/pixel_tests.hpp"
 #include "model/simd/shade.hpp"
 #include "model/stages/fog-inl.hpp"
+#include "model/stages/light-inl.hpp"
 #include "model/stages/merge-inl.hpp"
 #include "model/stages/project-inl.hpp"
 #include "model/stages/texture-inl.hpp"
@@ -352,6 +353,7 @@ struct BlockUnits {
   std::array<BlockImages, 2> images;
   std::array<const T*, 2> shares{};              // of the coarser levels; read where there is one
   const ProjectColumns<T>* projected = nullptr;  // where the second unit takes a projector's coordinates
+  const T* brightness = nullptr;                 // behind them, where there is a light
 };
 inline const ShadeTexture* image_of(const ShadeTextures& textures, int texture) {
   return texture < 0 ? nullptr : &textures.whole[static_cast<std::size_t>(texture)];
@@ -612,6 +614,12 @@ HWY_NOINLINE void shade_block(const Pipeline& pipeline, const ShadePlan& plan, c
     std::array<V, 3> merged = own;
     LinearFog<V> linear{V(0), V(0), V(0)};
     if (any(lives)) {
+      if constexpr (any_state) {
+        if (units.brightness != nullptr) {
+          const V value = load_as<V>(units.brightness + at);
+          for (V& c : own) c = lit<Int>(pipeline.light, c, value, watch_lives);
+        }
+      }
       if (!has_fog(fog)) {
         linear.factor = quantize(V(1), 0, formats.fog.factor, watch_lives);
         for (V& c : own) c = unfogged(formats.fog, c, watch_lives);
@@ -894,6 +902,27 @@ void project_block(const Pipeline& pipeline, const FragmentBlock<T>& block, Proj
   }
 }
 
+// The brightness of a block's fragments; width: of the frame.
+template <class T>
+void light_block(const Pipeline& pipeline, const FragmentBlock<T>& block, int width, T* out) {
+  const ChannelStage& channels = pipeline.channels;
+  if (channels.light_at >= 0) {
+    const std::int64_t* const values = block.channel[channels.light_at];
+    for (std::size_t k = 0; k < block.size; ++k) out[k] = static_cast<T>(values[k]);
+    return;
+  }
+  LightRecord record;
+  for (std::size_t k = 0; k < block.size; ++k) {
+    const FragmentRecord fragment = fragment_of(block, k, width);
+    LightChannels given;
+    for (std::size_t i = 0; i < given.normal.size(); ++i) {
+      given.normal[i] = block.channel[static_cast<std::size_t>(channels.normal_at) + i][k];
+    }
+    brighten(pipeline.light, fragment, distance_of(pipeline, fragment), given, record);
+    out[k] = static_cast<T>(record.value);
+  }
+}
+
 // What passes between the steps of a block, per texture unit where there are two.
 template <class T>
 struct AnyColumns {
@@ -901,6 +930,7 @@ struct AnyColumns {
   // The fragments that look up the same levels.
   FragmentBlock<T> part;
   ProjectColumns<T> part_projected;
+  HWY_ALIGN T part_brightness[FragmentBlock<T>::padded];
   HWY_ALIGN T shares[2][FragmentBlock<T>::padded];
   HWY_ALIGN std::int32_t places[FragmentBlock<T>::padded];  // in the block
   ShadeColumns<T> of_part;
@@ -932,9 +962,8 @@ void colours_any(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFor
 
 // The fragments among a block's that look up these levels. Returns whether there are some.
 template <class T>
-bool take_levels(const ChannelStage& channels, const FragmentBlock<T>& from,
-                 const ProjectColumns<T>* projected, const std::array<std::int32_t, 2>& levels,
-                 AnyColumns<T>& any) {
+bool take_levels(const ChannelStage& channels, const FragmentBlock<T>& from, const BlockUnits<T>& units,
+                 const std::array<std::int32_t, 2>& levels, AnyColumns<T>& any) {
   FragmentBlock<T>& to = any.part;
   std::size_t n = 0;
   for (std::size_t i = 0; i < from.size; ++i) {
@@ -960,21 +989,23 @@ bool take_levels(const ChannelStage& channels, const FragmentBlock<T>& from,
   take(from.fog_factor, to.fog_factor);
   take(from.h, to.h);
   for (std::size_t unit = 0; unit < 2; ++unit) take(any.levels[unit].share, any.shares[unit]);
-  if (projected != nullptr) {
-    take(projected->s, any.part_projected.s);
-    take(projected->t, any.part_projected.t);
-    take(projected->z, any.part_projected.z);
-    take(projected->inside, any.part_projected.inside);
+  if (units.projected != nullptr) {
+    take(units.projected->s, any.part_projected.s);
+    take(units.projected->t, any.part_projected.t);
+    take(units.projected->z, any.part_projected.z);
+    take(units.projected->inside, any.part_projected.inside);
   }
+  if (units.brightness != nullptr) take(units.brightness, any.part_brightness);
   return n != 0;
 }
 
-// Finds the levels, and shades the fragments of each on their own. textures: of the units, -1 for none.
+// Finds the levels, and shades the fragments of each on their own. textures: of the units, -1 for none;
+// units: without images.
 template <class T>
 void colours_of_levels(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFormats& formats,
-                       const std::array<int, 2>& textures, const FragmentBlock<T>& block,
-                       const ProjectColumns<T>* projected, const TriangleGradients& gradients,
-                       const Frame& frame, ShadeColumns<T>& columns, Counters& counters) {
+                       const std::array<int, 2>& textures, const FragmentBlock<T>& block, BlockUnits<T> units,
+                       const TriangleGradients& gradients, const Frame& frame, ShadeColumns<T>& columns,
+                       Counters& counters) {
   AnyColumns<T> any;
   const auto levels_of = [&](int texture) {
     return texture < 0
@@ -984,7 +1015,7 @@ void colours_of_levels(const Pipeline& pipeline, const ShadePlan& plan, const Sh
   find_levels(pipeline, block, {levels_of(textures[0]), levels_of(textures[1])}, gradients, frame.width,
               any.levels);
   // A projector's coordinates have the texture itself.
-  if (projected != nullptr) std::fill_n(any.levels[1].level, block.size, 0);
+  if (units.projected != nullptr) std::fill_n(any.levels[1].level, block.size, 0);
   std::array<std::int32_t, 2> least{}, most{};
   for (std::size_t unit = 0; unit < 2; ++unit) {
     const std::int32_t* of = any.levels[unit].level;
@@ -998,18 +1029,19 @@ void colours_of_levels(const Pipeline& pipeline, const ShadePlan& plan, const Sh
                       images_of(plan, 1, textures[1], levels[1], mixes)};
   };
   if (least == most) {
-    colours_any<T>(pipeline, plan, formats,
-                   {images(least), {any.levels[0].share, any.levels[1].share}, projected}, block, frame,
-                   columns, counters);
+    units.images = images(least);
+    units.shares = {any.levels[0].share, any.levels[1].share};
+    colours_any<T>(pipeline, plan, formats, units, block, frame, columns, counters);
     return;
   }
   for (std::array<std::int32_t, 2> levels = least; levels[0] <= most[0]; ++levels[0]) {
     for (levels[1] = least[1]; levels[1] <= most[1]; ++levels[1]) {
-      if (!take_levels(pipeline.channels, block, projected, levels, any)) continue;
+      if (!take_levels(pipeline.channels, block, units, levels, any)) continue;
       colours_any<T>(pipeline, plan, formats,
                      {images(levels),
                       {any.shares[0], any.shares[1]},
-                      projected == nullptr ? nullptr : &any.part_projected},
+                      units.projected == nullptr ? nullptr : &any.part_projected,
+                      units.brightness == nullptr ? nullptr : any.part_brightness},
                      any.part, frame, any.of_part, counters);
       for (std::size_t k = 0; k < any.part.size; ++k) {
         columns.word[any.places[k]] = any.of_part.word[k];
@@ -1019,24 +1051,29 @@ void colours_of_levels(const Pipeline& pipeline, const ShadePlan& plan, const Sh
   }
 }
 
-// Texture, fog and merge, with projection and levels where the state has them.
+// Texture, fog and merge, with projection, levels and light where the state has them.
 template <class T>
 void shade_units(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFormats& formats,
                  const std::array<int, 2>& textures, const FragmentBlock<T>& block,
                  const TriangleGradients& gradients, const Frame& frame, ShadeColumns<T>& columns,
                  Counters& counters) {
-  ProjectColumns<T> at;
-  const bool is_projected = pipeline.project.is_on && pipeline.texture_second.is_on();
-  if (is_projected) project_block(pipeline, block, at);
-  const ProjectColumns<T>* projected = is_projected ? &at : nullptr;
+  BlockUnits<T> units;
+  ProjectColumns<T> projected;
+  if (pipeline.project.is_on && pipeline.texture_second.is_on()) {
+    project_block(pipeline, block, projected);
+    units.projected = &projected;
+  }
+  HWY_ALIGN T brightness[FragmentBlock<T>::padded];
+  if (pipeline.light.is_on) {
+    light_block(pipeline, block, frame.width, brightness);
+    units.brightness = brightness;
+  }
   if (pipeline.has_lod && (textures[0] >= 0 || textures[1] >= 0)) {
-    colours_of_levels(pipeline, plan, formats, textures, block, projected, gradients, frame, columns,
-                      counters);
+    colours_of_levels(pipeline, plan, formats, textures, block, units, gradients, frame, columns, counters);
   } else {
-    const BlockUnits<T> units{{BlockImages{image_of(plan.textures_of(0), textures[0])},
-                               BlockImages{image_of(plan.textures_of(1), textures[1])}},
-                              {},
-                              projected};
+    for (std::size_t unit = 0; unit < 2; ++unit) {
+      units.images[unit] = BlockImages{image_of(plan.textures_of(unit), textures[unit])};
+    }
     colours_any(pipeline, plan, formats, units, block, frame, columns, counters);
   }
 }

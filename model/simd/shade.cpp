@@ -133,6 +133,14 @@ bool fits_second(const Config& c, int bits) {
   return fit;
 }
 
+// What light computes besides.
+bool fits_light(const Config& c, int bits) {
+  const Format& color = c.format(FormatId::texture_color);
+  const Format& value = c.format(FormatId::light_value);
+  const Grid product = grid_of(color) * grid_of(value);
+  return held_in(bits, value) && narrows_in(bits, {product.integer, product.fraction, true}, color);
+}
+
 // ---------------------------------------------------------------- textures and zones
 
 // The columns or rows that an axis of a texture takes.
@@ -272,6 +280,18 @@ bool branch_free_shade(const ShadeFormats& formats) {
          is_branch_free(formats.fog.color) && is_branch_free(formats.merge.color);
 }
 
+bool holds_light(const Config& config, ShadeLanes lanes) {
+  switch (lanes) {
+    case ShadeLanes::int32:
+      return fits_light(config, 32);
+    case ShadeLanes::int64:
+      return fits_light(config, 64);
+    case ShadeLanes::scalar:
+      return true;
+  }
+  unreachable();
+}
+
 bool holds_second_texture(const Config& config, ShadeLanes lanes) {
   switch (lanes) {
     case ShadeLanes::int32:
@@ -327,6 +347,7 @@ void prepare_view(ShadePlan& plan, const Pipeline& pipeline, const Config& confi
   plan.held_in = small ? lanes_for_shading(config, fog) : ShadeLanes::scalar;
   plan.holds_any = holds_any_shading(config, plan.held_in);
   plan.holds_second = plan.holds_any && holds_second_texture(config, plan.held_in);
+  plan.holds_lit = plan.holds_any && holds_light(config, plan.held_in);
   if (!has_fog_table(fog)) return;
   plan.zones = zones_of(pipeline.fog);
   plan.fog_table32.clear();
@@ -339,7 +360,7 @@ void prepare_view(ShadePlan& plan, const Pipeline& pipeline, const Config& confi
 }  // namespace
 
 bool holds_state(const ShadePlan& plan, const Pipeline& pipeline) {
-  if (pipeline.light.is_on) return false;
+  if (pipeline.light.is_on && !plan.holds_lit) return false;
   if (pipeline.channels.any() && !pipeline.channels.fits_int64()) return false;
   if (!pipeline.texture_second.is_on()) return plan.holds_any;
   if (!plan.holds_second || !pipeline.project.is_on) return plan.holds_second;

@@ -37,6 +37,8 @@ ShadeLanes lanes_for_shading(const Config& config, FogMode fog);
 // Whether shade_any can be held in the same lanes, and the second texture unit with it.
 bool holds_any_shading(const Config& config, ShadeLanes lanes);
 bool holds_second_texture(const Config& config, ShadeLanes lanes);
+// And light.
+bool holds_light(const Config& config, ShadeLanes lanes);
 
 // A texture as the kernels read it: words, red in the lowest byte, with a border that repeats what the
 // wrapping gives there, so that the four texels of the bilinear filter are two pairs side by side.
@@ -66,6 +68,7 @@ struct ShadePlan {
   ShadeLanes held_in = ShadeLanes::scalar;
   bool holds_any = false;     // what shade_any computes besides fits the same lanes
   bool holds_second = false;  // and what the second texture unit does
+  bool holds_lit = false;     // and light
   bool branch_free = false;   // every register rounds by adding a constant, and saturates
   ShadeFormats formats;
   std::vector<ShadeTextures> textures;  // in every way that a draw state asked for

@@ -8,6 +8,7 @@
 #include "model/numeric/big_integer.hpp"
 #include "model/numeric/from_double.hpp"
 #include "model/numeric/ratio.hpp"
+#include "model/stages/light-inl.hpp"
 
 namespace bitspan::model {
 namespace {
@@ -172,8 +173,8 @@ std::int64_t light_at(const LightStage& stage, const Vertex& v, const Register& 
 }
 
 template <class Watch>
-void light(const LightStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
-           const LightChannels& channels, const TextureRecord& texture, LightRecord& out, Watch watch) {
+void brighten(const LightStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
+              const LightChannels& channels, LightRecord& out, Watch watch) {
   out = {};
   out.triangle = fragment.triangle;
   out.x = fragment.x;
@@ -196,10 +197,13 @@ void light(const LightStage& stage, const FragmentRecord& fragment, const Distan
   } else {
     out.value = channels.value;
   }
-  const Exact value = value_of(out.value, stage.value);
-  const auto times = [&](std::int64_t c) {
-    return quantize(value_of(c, stage.color) * value, stage.color, watch);
-  };
+}
+
+template <class Watch>
+void light(const LightStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
+           const LightChannels& channels, const TextureRecord& texture, LightRecord& out, Watch watch) {
+  brighten(stage, fragment, distance, channels, out, watch);
+  const auto times = [&](std::int64_t c) { return HWY_NAMESPACE::lit<int128>(stage, c, out.value, watch); };
   out.r = times(texture.r);
   out.g = times(texture.g);
   out.b = times(texture.b);
@@ -209,6 +213,8 @@ template LightStage prepare_light(const Config&, const Constants&, const Scene&,
 template LightStage prepare_light(const Config&, const Constants&, const Scene&, Observe);
 template std::int64_t light_at(const LightStage&, const Vertex&, const Register&, NoObserve);
 template std::int64_t light_at(const LightStage&, const Vertex&, const Register&, Observe);
+template void brighten(const LightStage&, const FragmentRecord&, const DistanceRecord&, const LightChannels&,
+                       LightRecord&, NoObserve);
 template void light(const LightStage&, const FragmentRecord&, const DistanceRecord&, const LightChannels&,
                     const TextureRecord&, LightRecord&, NoObserve);
 template void light(const LightStage&, const FragmentRecord&, const DistanceRecord&, const LightChannels&,

@@ -45,7 +45,11 @@ struct LightChannels {
   std::array<std::int64_t, 3> normal{};  // raw, normal.value; at pixels
   std::int64_t value = 0;                // raw, light.value; else
 };
-// A fragment that is drawn; distance: where a light stands at a point.
+// The brightness of a fragment, and at pixels what it is made of; distance: where a light stands at a point.
+template <class Watch = NoObserve>
+void brighten(const LightStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
+              const LightChannels& channels, LightRecord& out, Watch watch = {});
+// A fragment that is drawn.
 template <class Watch = NoObserve>
 void light(const LightStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
            const LightChannels& channels, const TextureRecord& texture, LightRecord& out, Watch watch = {});

@@ -339,6 +339,38 @@ TEST(Forms, Projections) {
   EXPECT_GT(in_lanes, 50);
 }
 
+// A light at faces, vertices and pixels, parallel and at points, beside levels, a second texture and a
+// projector.
+TEST(Forms, Lights) {
+  const std::vector<Config> bases = shipped_configs();
+  std::uint64_t written = 0;
+  int in_lanes = 0;
+  for (std::uint64_t seed = 1; seed <= 120; ++seed) {
+    Random random(seed);
+    Config c = seed % 2 == 0 ? random_config(seed, bases) : bases[seed / 2 % bases.size()];
+    c.light = std::array{LightAt::face, LightAt::vertex, LightAt::pixel}[seed % 3];
+    c.light_source = random.chance(0.5) ? LightSource::point : LightSource::parallel;
+    if (random.chance(0.3)) c.project = ProjectUnit::reciprocal;
+    if (random.chance(0.3)) {
+      c.lod = LodMode::gradient;
+      c.mip = random.chance(0.5) ? MipMode::linear : MipMode::nearest;
+    }
+    if (first_violation(c) || vector_refusal(c) != nullptr) continue;
+    RandomOptions options = scenes_of_states();
+    options.second_texture = random.chance(0.5);
+    options.command_probability = random.chance(0.5) ? 0.2 : 0;
+    Scene scene = random_scene(seed, options);
+    if (has_project(c.project)) draw_projection(random, scene);
+    draw_light(random, scene, has_points(c.light_source));
+    written += compare_forms(c, scene, "lights of seed " + std::to_string(seed));
+    if (HasFailure()) return;
+    const Pipeline pipeline = make_pipeline(c, scene);
+    in_lanes += holds_state(prepare_shade(pipeline, c, scene), pipeline) ? 1 : 0;
+  }
+  EXPECT_GT(written, 100000U);
+  EXPECT_GT(in_lanes, 50);
+}
+
 // A second scene with other textures has levels of its own.
 TEST(Forms, LevelsOfTheNextScene) {
   Config c = shipped_config("depth16");
