@@ -99,34 +99,10 @@ Scene loaded_again(const Scene& scene, const Config& config) {
   return std::move(out[0]);
 }
 
-// The values that the points of a study have of a key: those of its axis, and the base's where they keep it.
-std::vector<KeyValue> values_of(const StudyPlan& plan, const std::string& key) {
-  std::vector<KeyValue> out;
-  for (const Axis& axis : plan.axes) {
-    const auto at = std::ranges::find(axis.keys, key) - axis.keys.begin();
-    if (at == std::ssize(axis.keys)) continue;
-    for (const auto& values : axis.values) out.push_back(values[static_cast<std::size_t>(at)]);
-  }
-  if (out.empty() || plan.arrangement == Arrangement::one_at_a_time) {
-    out.push_back(value_of_key(plan.base, key));
-  }
-  return out;
-}
-
 // The scenes of a study, lit as all of its points ask for. Throws InputError where a scene is not the same
 // for all: a mesh is lit by the unit of the configuration, or by the front end where there is none.
 std::vector<Scene> scenes_of(const StudyPlan& plan, const std::vector<std::string>& names, bool allow_empty) {
-  std::vector<Config> asked;
-  for (const KeyValue& at : values_of(plan, "light.at")) {
-    for (const KeyValue& source : values_of(plan, "light.source")) {
-      const Config config = with_keys(plan.base, {{"light.at", at}, {"light.source", source}});
-      const auto same = [&](const Config& c) {
-        return has_light(c.light) == has_light(config.light) &&
-               has_light_points(c) == has_light_points(config);
-      };
-      if (std::ranges::none_of(asked, same)) asked.push_back(config);
-    }
-  }
+  const std::vector<Config> asked = lightings_of(plan);
   std::vector<Scene> out = scenes_of(names, plan.width, plan.height, allow_empty, asked[0]);
   for (std::size_t i = 1; i < asked.size(); ++i) {
     const std::vector<Scene> other = scenes_of(names, plan.width, plan.height, allow_empty, asked[i]);
@@ -134,8 +110,8 @@ std::vector<Scene> scenes_of(const StudyPlan& plan, const std::vector<std::strin
       if (scene_hash(out[s]) == scene_hash(other[s])) continue;
       throw InputError(
           fmt::format("{}: {}: the points do not light it alike, and all measure one scene; expected "
-                      "light.at none at all "
-                      "points or at no point, one light.source, or --unlit behind the scene",
+                      "light.at none at all points or at no point, one light.source, or --unlit behind the "
+                      "scene",
                       plan.name, out[s].name));
     }
   }

@@ -38,6 +38,12 @@ Real power(int n) {
   return at < 0 || at > 2 * most ? std::ldexp(1.0L, n) : powers[static_cast<std::size_t>(at)];
 }
 
+// The smallest n with x <= 2^n; x above 0.
+int octaves(double x) {
+  int n = 0;
+  return std::frexp(x, &n) == 0.5 ? n - 1 : n;
+}
+
 // The same as std::floor, which calls a library for this type.
 Real floor_of(Real x) {
   if (!(x > -0x1p62L && x < 0x1p62L)) return std::floor(x);
@@ -329,8 +335,7 @@ class RangeCheck {
     if (!(std::isfinite(least) && std::isfinite(most) && least > 0 && least < most)) {
       fail(names, "are " + number(least) + ", " + number(most) + "; legal: finite, 0 < s_min < s_max");
     }
-    int e = 0;
-    if (std::frexp(most, &e) == 0.5) --e;  // the smallest e with s_max <= 2^e
+    const int e = octaves(most);
     const Real s_min = std::ldexp(static_cast<Real>(least), -e);
     const Real s_max = std::ldexp(static_cast<Real>(most), -e);
     add(F::setup_s, s_min, kNoTriangle);
@@ -398,10 +403,6 @@ class RangeCheck {
 
   // Where it stands, and the points that it is seen from; or its direction, whose largest part is 1/2 to 1.
   void light(const Light& light) {
-    const auto octaves = [](double x) {  // the smallest e with x <= 2^e
-      int e = 0;
-      return std::frexp(x, &e) == 0.5 ? e - 1 : e;
-    };
     int down = exponent_;
     if (light.is_point) {
       const auto focal = static_cast<Real>(view_.focal);

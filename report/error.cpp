@@ -19,68 +19,63 @@
 namespace bitspan {
 namespace {
 
+// The list reads as a table.
+// clang-format off
+
+// X(row, stage, quantity, unit, format): format: of the register of a Config c; none of depth and colour codes, which are integers.
+#define BITSPAN_ERROR_ROWS(X) \
+  X(setup_h,         "setup",     "h",         "depth code",  FormatId::setup_h)         \
+  X(setup_u,         "setup",     "u",         "texel",       FormatId::setup_uv)        \
+  X(setup_v,         "setup",     "v",         "texel",       FormatId::setup_uv)        \
+  X(edge_x,          "edge_walk", "x",         "pixel",       FormatId::edge_x)          \
+  X(edge_h,          "edge_walk", "h",         "depth code",  FormatId::edge_h)          \
+  X(edge_u,          "edge_walk", "u",         "texel",       FormatId::edge_uv)         \
+  X(edge_v,          "edge_walk", "v",         "texel",       FormatId::edge_uv)         \
+  X(span_h,          "span",      "h",         "depth code",  FormatId::span_h)          \
+  X(span_u,          "span",      "u",         "texel",       FormatId::span_uv)         \
+  X(span_v,          "span",      "v",         "texel",       FormatId::span_uv)         \
+  X(span_shade,      "span",      "shade",     "1",           shade_factor(c))           \
+  X(depth_z,         "depth",     "z",         "depth code",  codes)                     \
+  X(project_s,       "project",   "s",         "texel",       FormatId::span_uv)         \
+  X(project_t,       "project",   "t",         "texel",       FormatId::span_uv)         \
+  X(project_z,       "project",   "z",         "depth code",  codes)                     \
+  X(texture_color,   "texture",   "colour",    "colour code", FormatId::texture_color)   \
+  X(light_normal,    "light",     "normal",    "1",           FormatId::light_normal)    \
+  X(light_direction, "light",     "direction", "1",           FormatId::light_direction) \
+  X(light_cosine,    "light",     "cosine",    "1",           FormatId::light_cosine)    \
+  X(light_specular,  "light",     "specular",  "1",           FormatId::light_specular)  \
+  X(light_value,     "light",     "value",     "1",           FormatId::light_value)     \
+  X(light_color,     "light",     "colour",    "colour code", FormatId::texture_color)   \
+  X(fog_factor,      "fog",       "factor",    "1",           FormatId::fog_factor)      \
+  X(fog_color,       "fog",       "colour",    "colour code", FormatId::fog_color)       \
+  X(picture_color,   "picture",   "colour",    "colour code", codes)                     \
+  X(picture_depth,   "picture",   "depth",     "depth code",  codes)                     \
+  X(picture_u,       "picture",   "u",         "texel",       FormatId::span_uv)         \
+  X(picture_v,       "picture",   "v",         "texel",       FormatId::span_uv)
+
+// clang-format on
+
 enum Row {
-  row_setup_h,
-  row_setup_u,
-  row_setup_v,
-  row_edge_x,
-  row_edge_h,
-  row_edge_u,
-  row_edge_v,
-  row_span_h,
-  row_span_u,
-  row_span_v,
-  row_span_shade,
-  row_depth_z,
-  row_project_s,
-  row_project_t,
-  row_project_z,
-  row_texture_color,
-  row_light_normal,
-  row_light_direction,
-  row_light_cosine,
-  row_light_specular,
-  row_light_value,
-  row_light_color,
-  row_fog_factor,
-  row_fog_color,
-  row_picture_color,
-  row_picture_depth,
-  row_picture_u,
-  row_picture_v,
-  row_count
+#define BITSPAN_ERROR_ROW(row, ...) row_##row,
+  BITSPAN_ERROR_ROWS(BITSPAN_ERROR_ROW)
+#undef BITSPAN_ERROR_ROW
+      row_count
 };
 
-constexpr std::array<FieldQuantity, row_count> quantities{{
-    {"setup", "h", "depth code"},
-    {"setup", "u", "texel"},
-    {"setup", "v", "texel"},
-    {"edge_walk", "x", "pixel"},
-    {"edge_walk", "h", "depth code"},
-    {"edge_walk", "u", "texel"},
-    {"edge_walk", "v", "texel"},
-    {"span", "h", "depth code"},
-    {"span", "u", "texel"},
-    {"span", "v", "texel"},
-    {"span", "shade", "1"},
-    {"depth", "z", "depth code"},
-    {"project", "s", "texel"},
-    {"project", "t", "texel"},
-    {"project", "z", "depth code"},
-    {"texture", "colour", "colour code"},
-    {"light", "normal", "1"},
-    {"light", "direction", "1"},
-    {"light", "cosine", "1"},
-    {"light", "specular", "1"},
-    {"light", "value", "1"},
-    {"light", "colour", "colour code"},
-    {"fog", "factor", "1"},
-    {"fog", "colour", "colour code"},
-    {"picture", "colour", "colour code"},
-    {"picture", "depth", "depth code"},
-    {"picture", "u", "texel"},
-    {"picture", "v", "texel"},
-}};
+constexpr auto quantities = std::to_array<FieldQuantity>({
+#define BITSPAN_ERROR_ROW(row, stage, quantity, unit, format) {stage, quantity, unit},
+    BITSPAN_ERROR_ROWS(BITSPAN_ERROR_ROW)
+#undef BITSPAN_ERROR_ROW
+});
+
+std::array<std::optional<FormatId>, row_count> quantity_formats(const Config& c) {
+  constexpr std::nullopt_t codes = std::nullopt;
+  return {
+#define BITSPAN_ERROR_ROW(row, stage, quantity, unit, format) format,
+      BITSPAN_ERROR_ROWS(BITSPAN_ERROR_ROW)
+#undef BITSPAN_ERROR_ROW
+  };
+}
 
 void add_tallies(const std::vector<PictureTally>& from, std::vector<PictureTally>& to) {
   const auto metrics = picture_metrics();
@@ -333,38 +328,9 @@ std::span<const FragmentChannelRecord> channels_of(const Trace& trace, std::size
 std::span<const FieldQuantity> field_quantities() { return quantities; }
 
 ErrorMeter::ErrorMeter(const Config& config, const Scene& scene) : config_(config), scene_(&scene) {
-  using F = FormatId;
-  const std::array<std::optional<F>, row_count> formats{F::setup_h,
-                                                        F::setup_uv,
-                                                        F::setup_uv,
-                                                        F::edge_x,
-                                                        F::edge_h,
-                                                        F::edge_uv,
-                                                        F::edge_uv,
-                                                        F::span_h,
-                                                        F::span_uv,
-                                                        F::span_uv,
-                                                        shade_factor(config),
-                                                        {},
-                                                        F::span_uv,
-                                                        F::span_uv,
-                                                        {},
-                                                        F::texture_color,
-                                                        F::light_normal,
-                                                        F::light_direction,
-                                                        F::light_cosine,
-                                                        F::light_specular,
-                                                        F::light_value,
-                                                        F::texture_color,
-                                                        F::fog_factor,
-                                                        F::fog_color,
-                                                        {},
-                                                        {},
-                                                        F::span_uv,
-                                                        F::span_uv};
+  const auto formats = quantity_formats(config);
   for (std::size_t i = 0; i < row_count; ++i) {
     const FieldQuantity& q = quantities[i];
-    // Depth and colour codes are integers.
     report_.rows.push_back({std::string(q.stage),
                             std::string(q.quantity),
                             std::string(q.unit),

@@ -14,11 +14,13 @@
 #include <system_error>
 #include <utility>
 
+#include "config/modes.hpp"
 #include "config/toml_section.hpp"
 #include "scene/camera_views.hpp"
 #include "scene/picture_size.hpp"
 #include "study/area.hpp"
 #include "study/expression.hpp"
+#include "study/keys.hpp"
 #include "study/metrics.hpp"
 #include "study/points_file.hpp"
 
@@ -578,6 +580,20 @@ AreaPlan read_area(const Section& s) {
   return area;
 }
 
+// The values that the points have of a key: those of its axis, and the base's where they keep it.
+std::vector<KeyValue> values_of(const StudyPlan& plan, const std::string& key) {
+  std::vector<KeyValue> out;
+  for (const Axis& axis : plan.axes) {
+    const auto at = std::ranges::find(axis.keys, key) - axis.keys.begin();
+    if (at == std::ssize(axis.keys)) continue;
+    for (const auto& values : axis.values) out.push_back(values[static_cast<std::size_t>(at)]);
+  }
+  if (out.empty() || plan.arrangement == Arrangement::one_at_a_time) {
+    out.push_back(value_of_key(plan.base, key));
+  }
+  return out;
+}
+
 }  // namespace
 
 StudyPlan parse_study(std::string_view text, const std::string& path, const ConfigFinder& find) {
@@ -663,6 +679,21 @@ std::vector<std::vector<KeySetting>> points_of(const StudyPlan& plan) {
         for (const Axis& axis : axes) std::ranges::copy(settings_at(axis, i), std::back_inserter(out.back()));
       }
       break;
+  }
+  return out;
+}
+
+std::vector<Config> lightings_of(const StudyPlan& plan) {
+  std::vector<Config> out;
+  for (const KeyValue& at : values_of(plan, "light.at")) {
+    for (const KeyValue& source : values_of(plan, "light.source")) {
+      const Config config = with_keys(plan.base, {{"light.at", at}, {"light.source", source}});
+      const auto same = [&](const Config& c) {
+        return has_light(c.light) == has_light(config.light) &&
+               has_light_points(c) == has_light_points(config);
+      };
+      if (std::ranges::none_of(out, same)) out.push_back(config);
+    }
   }
   return out;
 }

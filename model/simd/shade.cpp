@@ -141,6 +141,19 @@ bool fits_light(const Config& c, int bits) {
   return held_in(bits, value) && narrows_in(bits, {product.integer, product.fraction, true}, color);
 }
 
+// Whether lanes of that kind hold what `fits` asks about lanes of so many bits.
+bool holds(bool fits(const Config&, int bits), const Config& config, ShadeLanes lanes) {
+  switch (lanes) {
+    case ShadeLanes::int32:
+      return fits(config, 32);
+    case ShadeLanes::int64:
+      return fits(config, 64);
+    case ShadeLanes::scalar:
+      return true;
+  }
+  unreachable();
+}
+
 // ---------------------------------------------------------------- textures and zones
 
 // The columns or rows that an axis of a texture takes.
@@ -261,17 +274,7 @@ ShadeLanes lanes_for_shading(const Config& config, FogMode fog) {
                                  : ShadeLanes::scalar;
 }
 
-bool holds_any_shading(const Config& config, ShadeLanes lanes) {
-  switch (lanes) {
-    case ShadeLanes::int32:
-      return fits_any(config, 32);
-    case ShadeLanes::int64:
-      return fits_any(config, 64);
-    case ShadeLanes::scalar:
-      return true;
-  }
-  unreachable();
-}
+bool holds_any_shading(const Config& config, ShadeLanes lanes) { return holds(fits_any, config, lanes); }
 
 bool branch_free_shade(const ShadeFormats& formats) {
   const TextureStage& t = formats.texture;
@@ -280,28 +283,10 @@ bool branch_free_shade(const ShadeFormats& formats) {
          is_branch_free(formats.fog.color) && is_branch_free(formats.merge.color);
 }
 
-bool holds_light(const Config& config, ShadeLanes lanes) {
-  switch (lanes) {
-    case ShadeLanes::int32:
-      return fits_light(config, 32);
-    case ShadeLanes::int64:
-      return fits_light(config, 64);
-    case ShadeLanes::scalar:
-      return true;
-  }
-  unreachable();
-}
+bool holds_light(const Config& config, ShadeLanes lanes) { return holds(fits_light, config, lanes); }
 
 bool holds_second_texture(const Config& config, ShadeLanes lanes) {
-  switch (lanes) {
-    case ShadeLanes::int32:
-      return fits_second(config, 32);
-    case ShadeLanes::int64:
-      return fits_second(config, 64);
-    case ShadeLanes::scalar:
-      return true;
-  }
-  unreachable();
+  return holds(fits_second, config, lanes);
 }
 
 namespace {

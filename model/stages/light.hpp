@@ -49,7 +49,7 @@ struct LightChannels {
 template <class Watch = NoObserve>
 void brighten(const LightStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
               const LightChannels& channels, LightRecord& out, Watch watch = {});
-// A fragment that is drawn.
+// The same, and the colour of a fragment that is drawn.
 template <class Watch = NoObserve>
 void light(const LightStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
            const LightChannels& channels, const TextureRecord& texture, LightRecord& out, Watch watch = {});

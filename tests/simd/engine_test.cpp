@@ -300,15 +300,37 @@ TEST(Forms, TheSecondTexture) {
   EXPECT_GT(written, 100000U);
 }
 
-// What the draw states of a projected texture and channels make of a scene: slides and shadow maps, of
-// colours and of depth codes, through every rounding, level and filter; vertex fog as a channel beside them.
-TEST(Forms, Projections) {
+// Compares the forms on scenes of random draw states, in random configurations. ask(random, seed, config):
+// what of the pipeline is on; put(random, seed, config, scene): what the scene has for it. Lanes hold many of
+// them.
+template <class Ask, class Put>
+void compare_with(const std::string& what, Ask ask, Put put) {
   const std::vector<Config> bases = shipped_configs();
   std::uint64_t written = 0;
   int in_lanes = 0;
   for (std::uint64_t seed = 1; seed <= 120; ++seed) {
     Random random(seed);
     Config c = seed % 2 == 0 ? random_config(seed, bases) : bases[seed / 2 % bases.size()];
+    ask(random, seed, c);
+    if (first_violation(c) || vector_refusal(c) != nullptr) continue;
+    RandomOptions options = scenes_of_states();
+    options.second_texture = has_project(c.project) || random.chance(0.5);
+    options.command_probability = random.chance(0.5) ? 0.2 : 0;
+    Scene scene = random_scene(seed, options);
+    put(random, seed, c, scene);
+    written += compare_forms(c, scene, what + " of seed " + std::to_string(seed));
+    if (testing::Test::HasFailure()) return;
+    const Pipeline pipeline = make_pipeline(c, scene);
+    in_lanes += holds_state(prepare_shade(pipeline, c, scene), pipeline) ? 1 : 0;
+  }
+  EXPECT_GT(written, 100000U);
+  EXPECT_GT(in_lanes, 50);
+}
+
+// What the draw states of a projected texture and channels make of a scene: slides and shadow maps, of
+// colours and of depth codes, through every rounding, level and filter; vertex fog as a channel beside them.
+TEST(Forms, Projections) {
+  const auto ask = [](Random& random, std::uint64_t seed, Config& c) {
     c.project = ProjectUnit::reciprocal;
     c.filter = random.chance(0.5) ? TextureFilter::bilinear : TextureFilter::nearest;
     if (random.chance(0.3)) c.fog = FogMode::vertex;
@@ -316,11 +338,8 @@ TEST(Forms, Projections) {
       c.lod = LodMode::gradient;
       c.mip = random.chance(0.5) ? MipMode::linear : MipMode::nearest;
     }
-    if (first_violation(c) || vector_refusal(c) != nullptr) continue;
-    RandomOptions options = scenes_of_states();
-    options.second_texture = true;
-    options.command_probability = random.chance(0.5) ? 0.2 : 0;
-    Scene scene = random_scene(seed, options);
+  };
+  const auto put = [](Random& random, std::uint64_t seed, const Config& /*c*/, Scene& scene) {
     if (random.chance(0.3)) draw_pass(random, scene);
     draw_projection(random, scene);
     for (Texture& texture : scene.textures) {
@@ -330,24 +349,14 @@ TEST(Forms, Projections) {
       texture.raw.resize(raw_size(texture.format, texture.width, texture.height));
       for (std::uint8_t& byte : texture.raw) byte = static_cast<std::uint8_t>(random.integer(0, 255));
     }
-    written += compare_forms(c, scene, "projections of seed " + std::to_string(seed));
-    if (HasFailure()) return;
-    const Pipeline pipeline = make_pipeline(c, scene);
-    in_lanes += holds_state(prepare_shade(pipeline, c, scene), pipeline) ? 1 : 0;
-  }
-  EXPECT_GT(written, 100000U);
-  EXPECT_GT(in_lanes, 50);
+  };
+  compare_with("projections", ask, put);
 }
 
 // A light at faces, vertices and pixels, parallel and at points, beside levels, a second texture and a
 // projector.
 TEST(Forms, Lights) {
-  const std::vector<Config> bases = shipped_configs();
-  std::uint64_t written = 0;
-  int in_lanes = 0;
-  for (std::uint64_t seed = 1; seed <= 120; ++seed) {
-    Random random(seed);
-    Config c = seed % 2 == 0 ? random_config(seed, bases) : bases[seed / 2 % bases.size()];
+  const auto ask = [](Random& random, std::uint64_t seed, Config& c) {
     c.light = std::array{LightAt::face, LightAt::vertex, LightAt::pixel}[seed % 3];
     c.light_source = random.chance(0.5) ? LightSource::point : LightSource::parallel;
     if (random.chance(0.3)) c.project = ProjectUnit::reciprocal;
@@ -355,20 +364,12 @@ TEST(Forms, Lights) {
       c.lod = LodMode::gradient;
       c.mip = random.chance(0.5) ? MipMode::linear : MipMode::nearest;
     }
-    if (first_violation(c) || vector_refusal(c) != nullptr) continue;
-    RandomOptions options = scenes_of_states();
-    options.second_texture = random.chance(0.5);
-    options.command_probability = random.chance(0.5) ? 0.2 : 0;
-    Scene scene = random_scene(seed, options);
+  };
+  const auto put = [](Random& random, std::uint64_t /*seed*/, const Config& c, Scene& scene) {
     if (has_project(c.project)) draw_projection(random, scene);
     draw_light(random, scene, has_points(c.light_source));
-    written += compare_forms(c, scene, "lights of seed " + std::to_string(seed));
-    if (HasFailure()) return;
-    const Pipeline pipeline = make_pipeline(c, scene);
-    in_lanes += holds_state(prepare_shade(pipeline, c, scene), pipeline) ? 1 : 0;
-  }
-  EXPECT_GT(written, 100000U);
-  EXPECT_GT(in_lanes, 50);
+  };
+  compare_with("lights", ask, put);
 }
 
 // A second scene with other textures has levels of its own.
