@@ -21,6 +21,7 @@ namespace bitspan {
   X(std::uint64_t, stencil_failed, true, "fragments that failed the stencil test")                              \
   X(std::uint64_t, depth_passed,  true,  "fragments that passed the depth test, and the stencil test")                                \
   X(std::uint64_t, killed,        true,  "fragments killed by the transparent code, alpha 0 or the alpha test")                 \
+  X(std::uint64_t, candidates,    true,  "fragments that might have been held as their pixel's candidate")       \
   X(std::uint64_t, written,       true,  "fragments merged into the frame")                                     \
   X(std::uint64_t, divides_edge,  true,  "reciprocals or divisions made for edges, or planes")                  \
   X(std::uint64_t, divides_row,   true,  "reciprocals or divisions made for rows")                              \

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace bitspan {
 namespace {
@@ -21,10 +22,15 @@ std::uint64_t value_of(const Counters& counters, const std::string& name) {
 DrawPass draw_pass(Engine& engine) {
   // A pass leaves no command behind its last triangle, so what is appended begins there.
   return [&engine, done = std::size_t{0}](const Scene& scene, const std::string& counter) mutable {
-    const std::uint64_t first = value_of(engine.counters(), counter);
-    draw_scene(engine, scene, done, scene.triangles.size() - done, nullptr);
-    done = scene.triangles.size();
-    return value_of(engine.counters(), counter) - first;
+    std::vector<bool> added;
+    std::uint64_t before = value_of(engine.counters(), counter);
+    for (; done < scene.triangles.size(); ++done) {
+      draw_scene(engine, scene, done, 1, nullptr);
+      const std::uint64_t now = value_of(engine.counters(), counter);
+      added.push_back(now != before);
+      before = now;
+    }
+    return added;
   };
 }
 

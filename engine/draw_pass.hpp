@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An engine that draws a plan while it is made, so that a counter can say whether a pass is repeated.
+// An engine that draws a plan while it is made, so that a counter can say which triangles a pass is repeated
+// with.
 #pragma once
 
 #include "engine/engine.hpp"

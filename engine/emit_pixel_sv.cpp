@@ -205,9 +205,10 @@ bool takes_levels(const Config& config, const DrawState& s) {
 }  // namespace
 
 bool pixel_rtl_takes(const Config& config, const DrawState& s) {
-  return takes_levels(config, s) && is_in_rtl(s.texture_filter) && is_in_rtl(s.texture_wrap_u) &&
-         is_in_rtl(s.texture_wrap_v) && s.target_format == TargetFormat::rgba8888 &&
-         s.chroma_test == ChromaTest::none && !has_second_texture(s) &&
+  return s.translucency_pass == TranslucencyPass::all && takes_levels(config, s) &&
+         is_in_rtl(s.texture_filter) && is_in_rtl(s.texture_wrap_u) && is_in_rtl(s.texture_wrap_v) &&
+         s.target_format == TargetFormat::rgba8888 && s.chroma_test == ChromaTest::none &&
+         !has_second_texture(s) &&
          (has_blend_equation(config.rtl.blend) ||
           (keeps_alpha(s) && (mixes_by_alpha(s) || replaces_color(s))));
 }

@@ -42,6 +42,8 @@ class Engine {
   //                or does not fit the configuration.
   //   Copy         makes a plane of a target the texels of a texture, for what is drawn from then on, its mip
   //                chain included. Throws InputError as check_copy does.
+  //   Resolve      merges the candidates that the target's pixels hold, as the draw state says; the records
+  //                of merge are theirs.
   virtual void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) = 0;
   // Of the target that is drawn on.
   virtual const Frame& frame() const = 0;

@@ -21,6 +21,7 @@ void clear_frame(Frame& frame, int width, int height, const std::array<std::uint
   frame.v.assign(kept, std::numeric_limits<double>::quiet_NaN());
   frame.triangle.assign(kept, -1);
   frame.stencil.clear();
+  frame.candidates.clear();
   frame.full_alpha = true;
 }
 
@@ -43,6 +44,10 @@ void clear_planes(Frame& frame, const Clear& clear, std::uint32_t farthest) {
 
 void need_stencil(Frame& frame) {
   if (frame.stencil.empty()) frame.stencil.resize(frame.depth.size());
+}
+
+void need_candidates(Frame& frame) {
+  if (frame.candidates.empty()) frame.candidates.resize(frame.depth.size());
 }
 
 }  // namespace bitspan

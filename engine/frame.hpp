@@ -16,6 +16,15 @@
 
 namespace bitspan {
 
+// A translucent fragment that its pixel holds until a command resolves it.
+struct Candidate {
+  std::int64_t triangle = 0, z = 0;  // z: the code, or the word of float_dz
+  std::int64_t u = 0, v = 0;         // raw, span.uv
+  std::int64_t r = 0, g = 0, b = 0;  // raw, fog.color
+  std::int64_t a = 0;                // raw, texture.alpha; 0 where the pixel holds none
+  bool operator==(const Candidate&) const = default;
+};
+
 // What a run leaves behind; every plane is height * width, rows from the top.
 struct Frame {
   int width = 0;
@@ -25,6 +34,7 @@ struct Frame {
   std::vector<double> u, v;             // texels, of the fragment written last; NaN where none
   std::vector<std::int32_t> triangle;   // input index of that fragment; -1 where none
   std::vector<std::uint8_t> stencil{};  // empty until a stencil test or a clear of the stencil
+  std::vector<Candidate> candidates{};  // empty until a pass holds some
   bool full_alpha = true;               // every A is 255
 };
 
@@ -37,6 +47,8 @@ void clear_frame(Frame& frame, int width, int height, const std::array<std::uint
 void clear_planes(Frame& frame, const Clear& clear, std::uint32_t farthest);
 // Gives the frame a stencil plane of zeros where it has none.
 void need_stencil(Frame& frame);
+// The same of candidates.
+void need_candidates(Frame& frame);
 
 // The targets of a run but the one that is drawn on. Planes: what an engine has per target, a Frame at least.
 template <class Planes>

@@ -234,6 +234,11 @@ std::optional<Format> format_of(const Field& field, const Config& config, std::i
   K(recip_m, pixel_mantissa) I(recip_e) /* linear fog only */                                              \
   F(factor, fog_factor) F(r, fog_color) F(g, fog_color) F(b, fog_color)
 
+// candidate: one per fragment that comes to merge while translucency.pass = candidate.
+#define BITSPAN_CANDIDATE_RECORD(F, I, K)                                                                  \
+  I(triangle) I(x) I(y) K(z, depth_code) K(held, depth_code) /* of the pixel's candidate before, 0: none */ \
+  I(taken) /* 1: this one is held from here on */
+
 // merge: one per fragment written.
 #define BITSPAN_MERGE_RECORD(F, I, K)                                                        \
   I(triangle) I(x) I(y) K(z, depth_code) F(r, merge_color) F(g, merge_color) F(b, merge_color)

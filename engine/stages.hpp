@@ -59,7 +59,8 @@ inline constexpr std::optional<Stage> no_clock;
   ROW(X, TextureSecondRecord, BITSPAN_TEXTURE_SECOND_RECORD, "texture.second", texture_second, Stage::texture, pixel, fragment, fragment_channel, depth, lod, project, texture) \
   ROW(X, LightRecord,     BITSPAN_LIGHT_RECORD,     "light",          light,     Stage::fog,        pixel,    fragment, fragment_channel, distance, texture, texture_second) \
   ROW(X, FogRecord,       BITSPAN_FOG_RECORD,       "fog",            fog,       Stage::fog,        pixel,    fragment, fragment_channel, distance, texture, texture_second, light) \
-  ROW(X, MergeRecord,     BITSPAN_MERGE_RECORD,     "merge",          merge,     Stage::merge,      pixel,    depth, texture, texture_second, fog) \
+  ROW(X, CandidateRecord, BITSPAN_CANDIDATE_RECORD, "candidate",      candidate, Stage::merge,      pixel,    depth, texture, texture_second, fog) \
+  ROW(X, MergeRecord,     BITSPAN_MERGE_RECORD,     "merge",          merge,     Stage::merge,      pixel,    depth, texture, texture_second, fog, candidate) \
   ROW(X, MergeAlphaRecord, BITSPAN_MERGE_ALPHA_RECORD, "merge.alpha", merge_alpha, Stage::merge,    pixel,    merge)
 
 // clang-format on
@@ -119,7 +120,7 @@ constexpr bool is_switched(RecordType type) {
   return type == RecordType::state || type == RecordType::gradient || type == RecordType::setup_plane ||
          type == RecordType::stencil || type == RecordType::distance || type == RecordType::lod ||
          type == RecordType::project || type == RecordType::texture_second || type == RecordType::light ||
-         type == RecordType::merge_alpha || row_of(type).per_channel();
+         type == RecordType::candidate || type == RecordType::merge_alpha || row_of(type).per_channel();
 }
 
 }  // namespace bitspan

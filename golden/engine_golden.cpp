@@ -10,6 +10,7 @@
 #include "config/modes.hpp"
 #include "engine/drawn_scene.hpp"
 #include "engine/rows.hpp"
+#include "golden/candidate.hpp"
 #include "golden/channel.hpp"
 #include "golden/depth.hpp"
 #include "golden/distance.hpp"
@@ -125,7 +126,7 @@ class GoldenEngine final : public Engine, public RowEngine {
  private:
   void run(const StateChange& change, std::int64_t next_index, Trace* trace) {
     state_ = changed_state(state_, change, config_, scene_->textures.size());
-    if (state_.stencil_test) need_stencil(frame_);
+    make_ready();
     if (trace != nullptr) begin_batch(trace).state.push_back(state_record(state_, next_index));
   }
   void run(const Clear& clear, std::int64_t /*next_index*/, Trace* /*trace*/) {
@@ -138,7 +139,7 @@ class GoldenEngine final : public Engine, public RowEngine {
     scene_.run(target);
     take_scene(before);
     if (!targets_.select(target.k, frame_)) clear_target();
-    if (state_.stencil_test) need_stencil(frame_);
+    make_ready();
   }
   void run(const ViewChange& change, std::int64_t /*next_index*/, Trace* /*trace*/) {
     const std::uint64_t before = scene_.version();
@@ -146,13 +147,46 @@ class GoldenEngine final : public Engine, public RowEngine {
     take_scene(before);
     if (frame_.width == scene_->width && frame_.height == scene_->height) return;
     clear_target();
-    if (state_.stencil_test) need_stencil(frame_);
+    make_ready();
   }
   void run(const Copy& copy, std::int64_t /*next_index*/, Trace* /*trace*/) {
     check_copy(*scene_, scene_.views(), copy);
     const std::uint64_t before = scene_.version();
     scene_.run(copy, targets_.of(copy.target, frame_), config_.depth_bits);
     take_scene(before);
+  }
+  void run(const Resolve& /*resolve*/, std::int64_t /*next_index*/, Trace* trace) {
+    Trace& out = begin_batch(trace);
+    std::vector<FragmentRecord> fragments;
+    std::vector<DepthRecord> depths;
+    std::vector<TextureRecord> textures;
+    std::vector<FogRecord> fogs;
+    for (std::int64_t y = 0; y < frame_.height; ++y) {
+      for (std::int64_t x = 0; x < frame_.width && !frame_.candidates.empty(); ++x) {
+        Candidate& held = frame_.candidates[static_cast<std::size_t>(y * frame_.width + x)];
+        if (held.a == 0) continue;
+        fragments.push_back({.triangle = held.triangle, .x = x, .y = y, .u = held.u, .v = held.v});
+        depths.push_back({.triangle = held.triangle, .x = x, .y = y, .z = held.z});
+        textures.push_back({.triangle = held.triangle, .x = x, .y = y, .a = held.a});
+        fogs.push_back({.triangle = held.triangle, .x = x, .y = y, .r = held.r, .g = held.g, .b = held.b});
+        held = {};
+      }
+    }
+    alive_.clear();
+    depths_.clear();
+    textures_.clear();
+    for (std::size_t i = 0; i < fragments.size(); ++i) {
+      alive_.push_back(&fragments[i]);
+      depths_.push_back(&depths[i]);
+      textures_.push_back(&textures[i]);
+    }
+    run_merge(fogs, out);
+    unkept_.clear();
+  }
+  // Gives the frame the planes that the draw state asks for.
+  void make_ready() {
+    if (state_.stencil_test) need_stencil(frame_);
+    if (holds_candidates(state_.translucency_pass)) need_candidates(frame_);
   }
   // What depends on the view.
   void prepare_view() {
@@ -372,8 +406,6 @@ class GoldenEngine final : public Engine, public RowEngine {
       run_depth(fragments, covered, out);
       run_texture(texture, out);
     }
-    counters_.written += alive_.size();
-
     alive_channels_.clear();
     for (std::size_t i = 0; i < alive_.size() && !constants_.channels.empty(); ++i) {
       alive_channels_.push_back(channels_of(*alive_[i], out));
@@ -381,10 +413,32 @@ class GoldenEngine final : public Engine, public RowEngine {
     if (light_) run_light(out);
     const std::size_t first_fog = out.fog.size();
     fog_(alive_, textures_, distances_, alive_channels_, out.fog);
+    const std::span<const FogRecord> fogs = std::span(out.fog).subspan(first_fog);
+    if (holds_candidates(state_.translucency_pass)) {
+      run_candidate(fogs, out);
+    } else {
+      run_merge(fogs, out);
+    }
+    if (&out == &unkept_) out.clear_pixels();
+    first_ = out.fragment.size();
+    first_channel_ = out.fragment_channel.size();
+  }
+
+  // Holds those alive that are the farthest ones of their pixels.
+  void run_candidate(std::span<const FogRecord> fogs, Trace& out) {
+    for (std::size_t i = 0; i < alive_.size(); ++i) {
+      Candidate& held = frame_.candidates[static_cast<std::size_t>(fogs[i].y * frame_.width + fogs[i].x)];
+      out.candidate.push_back(candidate(config_, *alive_[i], *depths_[i], *textures_[i], fogs[i], held));
+    }
+    counters_.candidates += alive_.size();
+  }
+
+  // Merges those alive into the frame, of which each pixel has one at most.
+  void run_merge(std::span<const FogRecord> fogs, Trace& out) {
+    counters_.written += alive_.size();
     const std::size_t first_merge = out.merge.size();
     const std::size_t first_alpha = out.merge_alpha.size();
-    merge_(std::span<const FogRecord>(out.fog).subspan(first_fog), textures_, depths_, state_, frame_.color,
-           frame_.width, out.merge, out.merge_alpha);
+    merge_(fogs, textures_, depths_, state_, frame_.color, frame_.width, out.merge, out.merge_alpha);
     const WriteMask mask{state_.color_write, state_.depth_write, state_.color_mask};
     for (std::size_t i = 0; i < alive_.size(); ++i) {
       write_fragment(frame_, *alive_[i], out.merge[first_merge + i], uv_ulp_, mask);
@@ -395,10 +449,6 @@ class GoldenEngine final : public Engine, public RowEngine {
             static_cast<std::uint8_t>(merged.a);
       }
     }
-
-    if (&out == &unkept_) out.clear_pixels();
-    first_ = out.fragment.size();
-    first_channel_ = out.fragment_channel.size();
   }
 
   // Makes drawn_, the fragments as depth and texture read them, where channels stand for some of their

@@ -570,18 +570,18 @@ class IdealEngine final : public Engine {
   void run(const StateChange& change) {
     state_ = changed_state(state_, change, config_, scene_->textures.size());
     biased_ = biased_ || state_.depth_bias != 0;
-    if (state_.stencil_test) need_stencil(planes_.frame);
+    make_ready();
   }
   void run(const Target& target) {
     scene_.run(target);
     if (!targets_.select(target.k, planes_)) clear_target();
-    if (state_.stencil_test) need_stencil(planes_.frame);
+    make_ready();
   }
   void run(const ViewChange& change) {
     scene_.run(change);
     if (planes_.frame.width == scene_->width && planes_.frame.height == scene_->height) return;
     clear_target();
-    if (state_.stencil_test) need_stencil(planes_.frame);
+    make_ready();
   }
   // The codes are those of the rounded picture.
   void run(const Copy& copy) {
@@ -592,6 +592,13 @@ class IdealEngine final : public Engine {
     run(Target{shown});
     const auto index = static_cast<std::size_t>(copy.texture);
     if (!levels_.empty()) levels_[index] = golden::mip_levels(scene_->textures[index]);
+  }
+  void run(const Resolve& /*resolve*/) {
+    for (std::size_t i = 0; i < planes_.held.size(); ++i) {
+      if (planes_.held[i].alpha > 0) store(planes_.held[i], i);
+      planes_.held[i] = {};
+    }
+    planes_.stale = true;
   }
   void run(const Clear& clear) {
     if (clear.masked) {
@@ -655,15 +662,30 @@ class IdealEngine final : public Engine {
   }
 
  private:
+  // What a fragment leaves at its pixel.
+  struct Drawn {
+    double h = 0, z = 0;
+    int dz = 0;
+    std::array<double, 3> color{};
+    double alpha = 0;
+    double u = 0, v = 0;
+    std::int32_t triangle = -1;
+  };
   // Of a target. The frame's colour and depth codes are stale until they are asked for.
   struct Planes {
     std::vector<double> h, z;
     std::vector<int> dz;  // beside z, float_dz alone
     std::vector<std::array<double, 3>> color;
     std::vector<double> alpha;  // 0..255
+    std::vector<Drawn> held;    // candidates; alpha 0 where a pixel holds none
     Frame frame;
     bool stale = true;
   };
+  // Gives the target the planes that the draw state asks for.
+  void make_ready() {
+    if (state_.stencil_test) need_stencil(planes_.frame);
+    if (holds_candidates(state_.translucency_pass)) planes_.held.resize(planes_.color.size());
+  }
   void clear_target() {
     const Scene& scene = *scene_;
     const auto pixels = static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(scene.height);
@@ -674,6 +696,7 @@ class IdealEngine final : public Engine {
     planes_.color.assign(
         pixels, {double(scene.background[0]), double(scene.background[1]), double(scene.background[2])});
     planes_.alpha.assign(pixels, 255);
+    planes_.held.clear();
     planes_.stale = true;
   }
 
@@ -689,35 +712,55 @@ class IdealEngine final : public Engine {
     const bool late = is_late(state_.depth_when);
     if (!late && !depth_passes(point, i, x, y)) return;
     const IdealFragment fragment = shade(config_, state_, *scene_, t, point, &levels_);
-    if (fragment.killed ||
+    if (fragment.killed || !golden::takes_alpha(state_.translucency_pass, fragment.alpha) ||
         !golden::holds<double>(state_.alpha_func, nearest_code(255 * fragment.alpha), state_.alpha_ref)) {
       ++counters_.killed;
       return;
     }
     if (late && !depth_passes(point, i, x, y)) return;
+    // No distance is beyond s_max, the cleared buffer's, but h of one at s_max may round below 0.
+    const Drawn drawn{.h = std::max(point.line, 0.0),
+                      .z = code_of(point),
+                      .dz = triangle_dz_,
+                      .color = fragment.fogged,
+                      .alpha = fragment.alpha,
+                      .u = point.u,
+                      .v = point.v,
+                      .triangle = static_cast<std::int32_t>(index)};
+    if (!holds_candidates(state_.translucency_pass)) return store(drawn, i);
+    ++counters_.candidates;
+    Drawn& held = planes_.held[i];
+    if (held.alpha == 0 || nearness_of(drawn) < nearness_of(held)) held = drawn;
+  }
+
+  void store(const Drawn& drawn, std::size_t i) {
     ++counters_.written;
     if (state_.depth_write) {
-      // No distance is beyond s_max, the cleared buffer's, but h of one at s_max may round below 0.
-      planes_.h[i] = std::max(point.line, 0.0);
-      planes_.z[i] = code_of(point);
-      if (!planes_.dz.empty()) planes_.dz[i] = triangle_dz_;
+      planes_.h[i] = drawn.h;
+      planes_.z[i] = drawn.z;
+      if (!planes_.dz.empty()) planes_.dz[i] = drawn.dz;
     }
     if (!state_.color_write) return;
     const std::array<double, 3> color = planes_.color[i];
     const double alpha = planes_.alpha[i];
-    blend(fragment, i);
+    blend(drawn, i);
     for (std::size_t c = 0; c < 3; ++c) {
       if (!has_channel(c)) planes_.color[i][c] = color[c];
     }
     if (!has_channel(3)) planes_.alpha[i] = alpha;
-    planes_.frame.u[i] = point.u;
-    planes_.frame.v[i] = point.v;
-    planes_.frame.triangle[i] = static_cast<std::int32_t>(index);
+    planes_.frame.u[i] = drawn.u;
+    planes_.frame.v[i] = drawn.v;
+    planes_.frame.triangle[i] = drawn.triangle;
   }
 
   // The unquantised code with the bias, within the register.
   double code_of(const IdealPoint& point) const {
     return biased(config_, configured_code(config_, *scene_, point.line, point.s), state_.depth_bias);
+  }
+  // Larger where the depth test calls it nearer.
+  double nearness_of(const Drawn& drawn) const {
+    if (planes_.dz.empty() && !biased_) return drawn.h;
+    return nearer_is_larger(config_.depth_code) ? drawn.z : -drawn.z;
   }
   bool depth_passes(const IdealPoint& point, std::size_t i, std::int64_t x, std::int64_t y) {
     bool pass = false;
@@ -745,14 +788,14 @@ class IdealEngine final : public Engine {
   // By color.mask.
   bool has_channel(std::size_t c) const { return (state_.color_mask >> c & 1) != 0; }
   bool has_alpha() const { return target_bits(state_.target_format)[3] > 0; }
-  void blend(const IdealFragment& fragment, std::size_t i) {
-    const double a = std::min(fragment.alpha, 1.0);
+  void blend(const Drawn& drawn, std::size_t i) {
+    const double a = std::min(drawn.alpha, 1.0);
     const std::array<int, 3> constant{state_.blend_red, state_.blend_green, state_.blend_blue};
     const auto code = [](double x) { return static_cast<unsigned>(nearest_code(x)); };
     const double dst_a = planes_.alpha[i] / 255;
     const double ka = state_.blend_alpha / 255.0;
     for (std::size_t c = 0; c < 3; ++c) {
-      const double src = fragment.fogged[c];
+      const double src = drawn.color[c];
       double& dst = planes_.color[i][c];
       if (state_.logic_op != LogicOp::none) {
         dst = golden::logic(state_.logic_op, code(src), code(dst));

@@ -19,10 +19,12 @@
 
 namespace bitspan::golden {
 
-// Whether a fragment's alpha, raw on the format, passes the alpha test.
+// Whether the translucency pass and the alpha test take a fragment's alpha, raw on the format.
 inline bool passes_alpha_test(const DrawState& state, const Format& format, std::int64_t a) {
-  if (state.alpha_func == CompareFunc::always) return true;
+  if (state.alpha_func == CompareFunc::always && state.translucency_pass == TranslucencyPass::all)
+    return true;
   const Quad alpha = Quantizer<Quad>(format).value(a);
+  if (!takes_alpha(state.translucency_pass, alpha)) return false;
   const Quad code = floor_of((alpha > 1 ? Quad(1) : alpha) * 255 + Quad(0.5));
   return holds(state.alpha_func, code, Quad(state.alpha_ref));
 }

@@ -42,6 +42,7 @@ inline constexpr std::array stage_types = [] {
   types[BS_STAGE_SPAN_CHANNEL] = fragment_channel;
   types[BS_STAGE_PROJECT] = project;
   types[BS_STAGE_LIGHT] = light;
+  types[BS_STAGE_CANDIDATE] = candidate;
   return types;
 }();
 static_assert(std::ranges::all_of(stage_table,

@@ -148,6 +148,7 @@ void set_state(Pipeline& pipeline, const Scene& scene, const DrawState& state) {
   pipeline.masks_pixels = masks_pixels(state);
   pipeline.depth.func = state.depth_func;
   pipeline.depth.bias = state.depth_bias;
+  pipeline.texture.pass = state.translucency_pass;
   pipeline.texture.alpha_test = alpha_test_of(state.alpha_func, state.alpha_ref, pipeline.texture.alpha);
   pipeline.texture.kills_zero = state.alpha_zero == AlphaZero::kill;
   set_lod(pipeline.lod, state);
@@ -162,6 +163,11 @@ void set_state(Pipeline& pipeline, const Scene& scene, const DrawState& state) {
   set_blend(pipeline.merge, blend_of(state));
 }
 
+void make_ready(const Pipeline& pipeline, Frame& frame) {
+  if (pipeline.stencil.test) need_stencil(frame);
+  if (holds_candidates(pipeline.state.translucency_pass)) need_candidates(frame);
+}
+
 namespace {
 
 // What is drawn from here on may leave other alphas in the frame.
@@ -174,7 +180,7 @@ void note_alpha(const Pipeline& pipeline, Frame& frame) {
 void change_state(Pipeline& pipeline, const Scene& scene, Frame& frame, const DrawState& state,
                   std::int64_t next_index, Trace* trace) {
   set_state(pipeline, scene, state);
-  if (pipeline.stencil.test) need_stencil(frame);
+  make_ready(pipeline, frame);
   note_alpha(pipeline, frame);
   if (trace != nullptr) deliver(trace, state_record(state, next_index));
 }
@@ -487,6 +493,24 @@ void fragments_to_frame(const Pipeline& pipeline, const Scene& scene,
 }
 
 template <class Watch>
+void resolve(const Pipeline& pipeline, Frame& frame, Counters& counters, Trace* trace, Watch watch) {
+  const auto finish = [trace](const auto& /*in*/, const auto& out) { deliver(trace, out); };
+  FragmentDrawing<decltype(finish), Watch> drawing{pipeline, nullptr,  nullptr, false,
+                                                   frame,    counters, finish,  watch};
+  for (std::size_t at = 0; at < frame.candidates.size(); ++at) {
+    if (frame.candidates[at].a == 0) continue;
+    const auto width = static_cast<std::size_t>(frame.width);
+    const HeldFragment held = held_fragment(frame.candidates[at], static_cast<std::int64_t>(at % width),
+                                            static_cast<std::int64_t>(at / width));
+    drawing.z = held.depth;
+    drawing.texel = held.texture;
+    drawing.fogged = held.fog;
+    drawing.write(held.fragment, at);
+    frame.candidates[at] = {};
+  }
+}
+
+template <class Watch>
 void draw_triangles(const Pipeline& pipeline, const Scene& scene, std::span<const Triangle> triangles,
                     std::int64_t first_index, DrawBuffers& buffers, Frame& frame, Counters& counters,
                     Trace* trace, Watch watch) {
@@ -562,7 +586,7 @@ Frame cleared_frame(const Pipeline& pipeline, const Scene& scene) {
 void resize_frame(const Pipeline& pipeline, const Scene& scene, Frame& frame) {
   if (frame.width == scene.width && frame.height == scene.height) return;
   clear_frame(pipeline, scene, !frame.u.empty(), frame);
-  if (pipeline.stencil.test) need_stencil(frame);
+  make_ready(pipeline, frame);
   note_alpha(pipeline, frame);
 }
 
@@ -570,7 +594,7 @@ void select_target(const Pipeline& pipeline, const Scene& scene, Targets<Frame>&
                    Frame& frame) {
   const bool winners = !frame.u.empty();
   if (!targets.select(k, frame)) clear_frame(pipeline, scene, winners, frame);
-  if (pipeline.stencil.test) need_stencil(frame);
+  make_ready(pipeline, frame);
   note_alpha(pipeline, frame);
 }
 
@@ -599,6 +623,8 @@ template bool fragment_texture(const Pipeline&, const FragmentRecord&, const Tex
 template bool fragment_texture_second(const Pipeline&, const FragmentRecord&, const LodRecord&,
                                       const TextureRecord&, const ProjectRecord*, TextureSecondRecord&,
                                       NoObserve);
+template void resolve(const Pipeline&, Frame&, Counters&, Trace*, NoObserve);
+template void resolve(const Pipeline&, Frame&, Counters&, Trace*, Observe);
 template SpanChannels row_to_channels(const Pipeline&, Rows&, std::size_t, const SpanRecord&, Counters&,
                                       Trace*, NoObserve);
 template SpanChannels row_to_channels(const Pipeline&, Rows&, std::size_t, const SpanRecord&, Counters&,

@@ -18,6 +18,7 @@
 #include "engine/records.hpp"
 #include "engine/rows.hpp"
 #include "model/mip_chain.hpp"
+#include "model/stages/candidate.hpp"
 #include "model/stages/channel.hpp"
 #include "model/stages/constants.hpp"
 #include "model/stages/depth.hpp"
@@ -80,7 +81,9 @@ struct Pipeline {
 
 // Gives the stages the registers of a draw state; scene: whose textures it names.
 void set_state(Pipeline& pipeline, const Scene& scene, const DrawState& state);
-// The same, makes the frame ready for it (a stencil plane where that is tested), and delivers its record.
+// Gives the frame the planes that the draw state asks for.
+void make_ready(const Pipeline& pipeline, Frame& frame);
+// Gives the stages the registers, makes the frame ready for them, and delivers their record.
 void change_state(Pipeline& pipeline, const Scene& scene, Frame& frame, const DrawState& state,
                   std::int64_t next_index, Trace* trace);
 // As Engine::clear.
@@ -285,6 +288,17 @@ struct FragmentDrawing {
     }
     fog(pipeline.fog, fragment, far, texel, fogged, watch, channels);
     finish(fragment, fogged);
+    if (holds_candidates(pipeline.state.translucency_pass)) {
+      CandidateRecord taken;
+      candidate(pipeline.depth.formats, fragment, z, texel, fogged, frame.candidates[at], taken);
+      finish(z, taken);
+      ++counters.candidates;
+      return;
+    }
+    write(fragment, at);
+  }
+  // What merge makes of z, texel and fogged.
+  void write(const FragmentRecord& fragment, std::size_t at) {
     std::uint8_t* const color = frame.color.data() + 4 * at;
     merge(pipeline.merge, z, texel, fogged, {color[0], color[1], color[2], color[3]}, merged, watch);
     finish(z, merged);
@@ -297,6 +311,11 @@ struct FragmentDrawing {
     write_fragment(frame, fragment, merged, uv_ulp, mask);
   }
 };
+
+// Merges the candidates of the frame, row by row, and leaves none. With a trace, appends the records of
+// merge. Counts written.
+template <class Watch = NoObserve>
+void resolve(const Pipeline& pipeline, Frame& frame, Counters& counters, Trace* trace, Watch watch = {});
 
 // Step three: depth to merge of fragments of one triangle, in the order of the draw state; gradient as
 // gradient_of gives it; channels: of each fragment, where some are in use. With a trace, appends the records

@@ -65,6 +65,16 @@ void SceneRun::run(const Config& config, const Copy& copy, std::int64_t /*next_i
   update(config, before);
 }
 
+void SceneRun::run(const Config& /*config*/, const Resolve& /*resolve*/, std::int64_t /*next_index*/,
+                   Trace* trace) {
+  deliver_constants(trace);
+  if (statistics != nullptr) {
+    resolve(pipeline, frame, counters, trace, Observe{statistics});
+  } else {
+    resolve(pipeline, frame, counters, trace);
+  }
+}
+
 void SceneRun::update(const Config& config, std::uint64_t since) {
   if (statistics != nullptr) {
     update_pipeline(pipeline, config, scene, since, Observe{statistics});

@@ -35,6 +35,7 @@ struct SceneRun {
   void run(const Config& config, const Target& target, std::int64_t next_index, Trace* trace);
   void run(const Config& config, const ViewChange& change, std::int64_t next_index, Trace* trace);
   void run(const Config& config, const Copy& copy, std::int64_t next_index, Trace* trace);
+  void run(const Config& config, const Resolve& resolve, std::int64_t next_index, Trace* trace);
   // Prepares what the scene has become since that version.
   void update(const Config& config, std::uint64_t since);
 };

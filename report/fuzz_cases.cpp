@@ -107,6 +107,8 @@ Scene fuzz_scene(const FuzzPlan& plan, std::uint64_t index, int draw, const Conf
   if (has_project(config.project) && !with_designs) draw_projection(projection, scene);
   Random light(fuzz_seed(plan.seed, index, 104));
   if (has_light(config.light)) draw_light(light, scene, has_points(config.light_source));
+  Random translucency(fuzz_seed(plan.seed, index, 105));
+  if (!with_designs && translucency.chance(0.125)) draw_translucency(translucency, scene);
   Random given(fuzz_seed(plan.seed, index, 101));
   draw_given_attributes(given, scene, 0.3);
   scene.name = fmt::format("fuzz seed {} case {}", plan.seed, index);

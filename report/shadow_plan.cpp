@@ -87,7 +87,8 @@ std::optional<ShadowPlan> shadow_plan_of(const Config& config, const Scene& scen
       plan.light = views.now();
       const PassingDistances passing = passing_distances(state.depth_func);
       if (!passing.nearer || passing.farther || !state.depth_write || state.depth_bias != 0 ||
-          masks_pixels(state) || state.stencil_test || state.alpha_func != CompareFunc::always) {
+          masks_pixels(state) || state.stencil_test || state.alpha_func != CompareFunc::always ||
+          state.translucency_pass != TranslucencyPass::all) {
         return std::nullopt;
       }
       plan.casters.push_back(scene.triangles[i]);

@@ -921,6 +921,58 @@ void add_light(std::vector<SuiteFeature>& out) {
       {.at = LightAt::none, .state = {{"texture1", 1}}}, under_light);
 }
 
+// Every second triangle is translucent, and all are drawn in passes: the opaque fragments, and then so many
+// layers of the others.
+void in_layers(Scene& scene, int layers) {
+  for (std::size_t i = 0; i < scene.triangles.size(); i += 2) {
+    for (Vertex& v : scene.triangles[i].v) v.c[3] = 0.2 + 0.1 * static_cast<double>(i % 8);
+  }
+  std::vector<Pass> passes;
+  for (int k = 0; k <= layers; ++k) {
+    const TranslucencyPass pass = k == 0 ? TranslucencyPass::opaque : TranslucencyPass::candidate;
+    passes.push_back({.name = "layer",
+                      .resolves = k > 1,
+                      .states = {{.settings = {state_setting("translucency.pass", pass)}}},
+                      .triangles = scene.triangles});
+  }
+  scene.triangles.clear();
+  flatten(passes, scene);
+  scene.commands.push_back({scene.triangles.size(), Resolve{}});
+}
+
+void add_translucency(std::vector<SuiteFeature>& out) {
+  const auto add = [&](std::string_view name, RecordType stage, auto set, const std::vector<Register>& state,
+                       void (*textures)(Scene&) = texture) {
+    const SuiteSetting in_force = in_state(state);
+    const auto with = [=](int layers) {
+      return [=](Config& c, Scene& s) {
+        set(c);
+        if (layers > 0) in_layers(s, layers);
+        in_force(c, s);
+      };
+    };
+    out.push_back(in({std::string(name), stage, SuiteNeeds::effect, with(2), with(0)}, textures));
+  };
+  const auto as_drawn = [](Config&) {};
+  const Register opaque{"translucency.pass", number(TranslucencyPass::opaque)};
+  out.push_back(in(
+      {"translucency_pass.opaque", RecordType::texture, SuiteNeeds::effect, in_state({opaque}), in_state({})},
+      texture));
+  for (const DepthCode code : all_of<DepthCode>()) {
+    add(fmt::format("translucency.{}", to_string(code)), RecordType::candidate,
+        [=](Config& c) { c.depth_code = code; }, {});
+  }
+  const Register late{"depth.when", number(DepthWhen::late)};
+  add("translucency_state.late", RecordType::candidate, as_drawn, {late});
+  add("translucency_state.second", RecordType::candidate, as_drawn, {{"texture1", 1}}, two_textures);
+  add("translucency_state.stencil", RecordType::candidate, as_drawn,
+      {late, {"stencil.test", 1}, {"stencil.pass", number(StencilOp::increment)}});
+  add("resolve.blend", RecordType::merge, as_drawn, {{"blend.dst", number(BlendFactor::one)}});
+  add("resolve.alpha", RecordType::merge, as_drawn, {{"blend.alpha.src", number(BlendFactor::one)}});
+  add("resolve.rgb565", RecordType::merge, as_drawn,
+      {{"target.format", number(TargetFormat::rgb565)}, {"target.dither", number(Dither::matrix4)}});
+}
+
 void add_fog_and_merge(std::vector<SuiteFeature>& out) {
   out.push_back(in(choice("fog", &Config::fog, FogMode::linear, RecordType::fog, FogMode::none), fog));
   for (const auto& split : {std::pair{6, 4}, {8, 2}, {5, 0}}) {
@@ -973,6 +1025,7 @@ std::vector<SuiteFeature> make_features() {
   add_projection(out);
   add_own_lines(out);
   add_light(out);
+  add_translucency(out);
   add_lookups(out);
   add_level_choices(out);
   add_fog_and_merge(out);

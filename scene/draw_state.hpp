@@ -55,6 +55,10 @@ inline constexpr auto enum_names<LogicOp> = std::to_array<std::string_view>(
     {"none", "clear", "and", "and_reverse", "copy", "and_inverted", "noop", "xor", "or", "nor", "equiv",
      "invert", "or_reverse", "copy_inverted", "or_inverted", "nand", "set"});
 
+// Which fragments a pass over translucent faces draws: all, those of alpha 1, or the others, of which each
+// pixel holds the farthest one until a command resolves it.
+BITSPAN_ENUM(TranslucencyPass, all, opaque, candidate);
+
 // What alpha 0 does to a fragment.
 BITSPAN_ENUM(AlphaZero, kill, keep);
 
@@ -117,6 +121,7 @@ inline constexpr int texture1_limit = 65535;
   X(A, CompareFunc,  alpha_func,      "alpha.func",      0, 0, CompareFunc::always, "the alpha test: a fragment's alpha against alpha.ref") \
   X(A, std::int32_t, alpha_ref,       "alpha.ref",       0, 255, 0, "alpha code that the alpha test compares with")        \
   X(A, AlphaZero,    alpha_zero,      "alpha.zero",      0, 0, AlphaZero::kill, "whether alpha 0 kills a fragment")     \
+  X(A, TranslucencyPass, translucency_pass, "translucency.pass", 0, 0, TranslucencyPass::all, "all fragments are drawn; those of alpha 1; or the farthest one of the others is held") \
   X(A, bool,         stencil_test,    "stencil.test",    0, 0, false, "whether fragments are tested against the stencil plane") \
   X(A, std::int32_t, stencil_ref,     "stencil.ref",     0, 255, 0, "stencil value that the test compares with the plane's") \
   X(A, std::int32_t, stencil_mask,    "stencil.mask",    0, 255, 255, "bits of both values that are compared")             \
@@ -193,6 +198,7 @@ struct DrawState {
 
 // Whether scissor or stipple may keep a pixel from being drawn.
 bool masks_pixels(const DrawState& state);
+constexpr bool holds_candidates(TranslucencyPass pass) { return pass == TranslucencyPass::candidate; }
 constexpr bool is_late(DepthWhen when) { return when == DepthWhen::late; }
 
 // Whether the second texture unit is on.
@@ -323,10 +329,15 @@ struct Copy {
   bool operator==(const Copy&) const = default;
 };
 
+// Merges the candidates that the target's pixels hold, row by row, and holds none behind it.
+struct Resolve {
+  bool operator==(const Resolve&) const = default;
+};
+
 // What stands between triangles of a stream.
 struct DrawCommand {
   std::size_t before = 0;  // index of the triangle that follows; their number where none does
-  std::variant<StateChange, Clear, Target, ViewChange, Copy> what{};
+  std::variant<StateChange, Clear, Target, ViewChange, Copy, Resolve> what{};
   bool operator==(const DrawCommand&) const = default;
 };
 // The states that the changes among the commands make, one after another; the first state is not among them.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/plan.hpp"
 
+#include <algorithm>
+
 #include "config/config.hpp"
 
 namespace bitspan {
@@ -12,6 +14,7 @@ void append(const Pass& pass, Scene& scene) {
     throw InputError("pass '" + pass.name + "': has no triangle; expected one at least");
   }
   const auto command = [&](auto what) { scene.commands.push_back({scene.triangles.size(), what}); };
+  if (pass.resolves) command(Resolve{});
   for (const Copy& copy : pass.copies) command(copy);
   command(Target{pass.target});
   if (pass.view) command(*pass.view);
@@ -33,14 +36,18 @@ void flatten(std::span<const Pass> passes, Scene& scene, const DrawPass& draw) {
       throw InputError("pass '" + pass.name + "': is repeated; expected an engine that counts " + counter);
     }
     draw(scene, counter);  // what stands in front of it is not in its count
+    Pass again = pass;
     for (int times = 1;; ++times) {
-      append(pass, scene);
-      const std::uint64_t count = draw(scene, counter);
-      if (count == 0) break;
+      append(again, scene);
+      const std::vector<bool> added = draw(scene, counter);
+      const auto left = std::ranges::count(added, true);
+      if (left == 0) break;
       if (times >= limit) {
-        throw InputError("pass '" + pass.name + "': " + counter + " is " + std::to_string(count) +
-                         " at repetition " + std::to_string(times) + "; expected 0 by then");
+        throw InputError("pass '" + pass.name + "': " + std::to_string(left) + " triangles add to " +
+                         counter + " at repetition " + std::to_string(times) + "; expected none by then");
       }
+      auto flag = added.begin();
+      std::erase_if(again.triangles, [&](const Triangle&) { return !*flag++; });
     }
   }
 }

@@ -25,8 +25,8 @@ requires std::is_enum_v<E> StateSetting state_setting(std::string_view key, E va
   return state_setting(key, static_cast<std::int64_t>(value));
 }
 
-// A pass is appended again until it adds 0 to a counter of the engine. Throws InputError where it still adds
-// something at `limit` times in all.
+// A pass is appended again with those of its triangles that added to a counter of the engine, until none did.
+// Throws InputError where one still does at `limit` times in all.
 struct Repeat {
   std::string counter;
   int limit = 64;
@@ -36,15 +36,17 @@ struct Pass {
   std::string name;  // for messages
   int target = 0;
   std::optional<ViewChange> view{};
-  std::vector<Copy> copies{};         // in front of all else
+  bool resolves = false;              // what the target in force holds, in front of all else
+  std::vector<Copy> copies{};         // behind that
   std::vector<StateChange> states{};  // behind the view
   std::optional<Clear> clear{};       // behind the states
   std::vector<Triangle> triangles{};  // one at least
   std::optional<Repeat> repeat{};
 };
 
-// Draws what the scene has had appended since the call before, and returns by how much that grew the counter.
-using DrawPass = std::function<std::uint64_t(const Scene& scene, const std::string& counter)>;
+// Draws what the scene has had appended since the call before, and returns which of those triangles added to
+// the counter.
+using DrawPass = std::function<std::vector<bool>(const Scene& scene, const std::string& counter)>;
 
 // Appends the commands and triangles of the passes to a scene, which has a view and textures already. draw:
 // an engine that has begun with the scene; needed where a pass is repeated. Throws InputError where a pass

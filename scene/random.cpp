@@ -164,6 +164,11 @@ bool is_projection_register(std::string_view key) {
   return std::ranges::find(registers, key) != registers.end();
 }
 
+// Registers that a function of their own draws: draw_projection, draw_translucency.
+bool is_drawn_apart(std::string_view key) {
+  return is_projection_register(key) || key == "translucency.pass";
+}
+
 }  // namespace
 
 bool is_later_register(std::string_view key) {
@@ -171,8 +176,7 @@ bool is_later_register(std::string_view key) {
       {"alpha.zero", "color.mask", "target.round", "stencil.back.ref", "stencil.back.mask",
        "stencil.back.write", "texture.filter", "texture.wrap.u", "texture.wrap.v", "texture1.filter",
        "texture1.wrap.u", "texture1.wrap.v"});
-  return is_projection_register(key) || is_level_register(key) ||
-         std::ranges::find(later, key) != later.end();
+  return is_drawn_apart(key) || is_level_register(key) || std::ranges::find(later, key) != later.end();
 }
 
 namespace {
@@ -266,7 +270,7 @@ DrawCommand random_command(Random& random, Random& later, Random& levels, const 
   for (std::size_t index = 0; options.later_registers && index < state_registers().size(); ++index) {
     const StateRegister& r = state_registers()[index];
     if (r.key.starts_with("texture1") && !options.second_texture) continue;
-    if (is_projection_register(r.key)) continue;  // of draw_projection
+    if (is_drawn_apart(r.key)) continue;
     if (is_level_register(r.key)) {
       if (options.level_registers && levels.chance(0.2)) set(index, random_value(levels, r, scene, options));
       continue;
@@ -389,6 +393,27 @@ void draw_given_attributes(Random& random, Scene& scene, double probability) {
   }
 }
 
+namespace {
+
+// Puts a command in front of a triangle, behind the others there.
+template <class What>
+void put_before(Scene& scene, std::size_t triangle, What what) {
+  const auto at =
+      std::ranges::find_if(scene.commands, [&](const DrawCommand& c) { return c.before > triangle; });
+  scene.commands.insert(at, {.before = triangle, .what = std::move(what)});
+}
+
+}  // namespace
+
+void draw_translucency(Random& random, Scene& scene) {
+  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+    if (random.chance(0.125)) put_before(scene, i, Resolve{});
+    if (i > 0 && !random.chance(0.125)) continue;
+    put_before(scene, i, StateChange{.settings = {state_setting("translucency.pass", random.integer(0, 2))}});
+  }
+  put_before(scene, scene.triangles.size(), Resolve{});
+}
+
 void draw_projection(Random& random, Scene& scene) {
   if (scene.textures.empty()) return;
   const auto texture = random.integer(0, static_cast<std::int64_t>(scene.textures.size()) - 1);
@@ -413,8 +438,7 @@ void draw_projection(Random& random, Scene& scene) {
                                           state_setting("texture1.func", random.integer(0, 7)),
                                           state_setting("texture1.bias", random.integer(-4096, 4096)),
                                           state_setting("texture1.red", random.integer(0, 255))}};
-    const auto at = std::ranges::find_if(scene.commands, [&](const DrawCommand& c) { return c.before > i; });
-    scene.commands.insert(at, {.before = i, .what = change});
+    put_before(scene, i, change);
   }
 }
 

@@ -74,6 +74,9 @@ void draw_pass(Random& random, Scene& scene);
 // Nothing where it has no texture.
 void draw_projection(Random& random, Scene& scene);
 
+// Lets a scene hold translucent fragments as candidates, and resolve them, now and then.
+void draw_translucency(Random& random, Scene& scene);
+
 // Gives a scene a light, which may stand at a point, and most of its triangles normals.
 void draw_light(Random& random, Scene& scene, bool may_be_point);
 

@@ -706,7 +706,8 @@ StateSetting read_setting(const std::string& key, const Json& value, const Place
 
 bool is_command(const Json& line) {
   return line.is_object() && (line.contains("state") || line.contains("clear") || line.contains("target") ||
-                              line.contains("view") || line.contains("copy") || line.contains("frame"));
+                              line.contains("view") || line.contains("copy") || line.contains("resolve") ||
+                              line.contains("frame"));
 }
 
 bool truth(const Json& value, const Place& place, const char* key) {
@@ -772,6 +773,11 @@ Copy read_copy(const Json& value, const Place& place) {
 }
 
 DrawCommand read_command(const Json& line, int color_max, const Place& place) {
+  if (const auto found = line.find("resolve"); found != line.end()) {
+    check_keys(line, {"resolve"}, place, "");
+    if (*found != Json(true)) place.fail("resolve: " + shown(*found) + " is not legal; expected true");
+    return {.what = Resolve{}};
+  }
   if (const auto found = line.find("copy"); found != line.end()) {
     check_keys(line, {"copy"}, place, "");
     return {.what = read_copy(*found, place)};
@@ -1076,6 +1082,8 @@ std::vector<std::string> texture_names(const Scene& scene) {
 
 namespace {
 
+Json line_of(const Resolve& /*resolve*/) { return {{"resolve", true}}; }
+
 Json line_of(const Target& target) { return {{"target", target.k}}; }
 
 Json line_of(const Copy& copy) {
@@ -1143,7 +1151,7 @@ DrawCommand parse_command(std::string_view json, const std::string& origin) {
   const Place place{origin, 1};
   const Json line = parse_line(std::string(json), place);
   if (!is_command(line))
-    place.fail(shown(line) + " is no command; expected state, clear, target, view or copy");
+    place.fail(shown(line) + " is no command; expected state, clear, target, view, copy or resolve");
   return read_command(line, 1, place);
 }
 
@@ -1197,7 +1205,8 @@ struct TriReader::State {
       }
       const Json json = parse_line(line, place);
       if (!is_command(json)) {
-        place.fail(shown(json) + " is no command; expected state, clear, target, view, copy or frame");
+        place.fail(shown(json) +
+                   " is no command; expected state, clear, target, view, copy, resolve or frame");
       }
       add_command(json);
     }

@@ -73,8 +73,8 @@ StudyPlan parse_study(std::string_view text, const std::string& path, const Conf
 // no such points.
 std::vector<std::vector<KeySetting>> points_of(const StudyPlan& plan);
 
-// Returns a configuration for each way in which the points light meshes: the base with the values that some of
-// them have of light.at and light.source.
+// Returns a configuration for each way in which the points light meshes: the base with the values that some
+// of them have of light.at and light.source.
 std::vector<Config> lightings_of(const StudyPlan& plan);
 
 // Throws InputError, which names the nearest metrics that exist, where a metric of the plan is not there.

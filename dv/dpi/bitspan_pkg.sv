@@ -31,6 +31,7 @@ package bitspan_pkg;
   localparam int StageSpanChannel = 23;
   localparam int StageProject = 24;
   localparam int StageLight = 25;
+  localparam int StageCandidate = 26;
   // No stage has more columns.
   localparam int MaxColumns = 64;
   // bitspan_check: the design's record is not the model's.

@@ -39,7 +39,7 @@ extern "C" {
 #endif
 
 /* Grows with every addition to this file; bs_abi_version() tells the library's. */
-#define BS_ABI_VERSION 7
+#define BS_ABI_VERSION 8
 
 typedef int32_t bs_status;
 enum {
@@ -82,7 +82,8 @@ enum {
   BS_STAGE_SPAN_SETUP_CHANNEL = 22, /* per row and channel */
   BS_STAGE_SPAN_CHANNEL = 23,       /* per pixel of a row and channel */
   BS_STAGE_PROJECT = 24,            /* per pixel of texture.second while texture1.coordinates = project */
-  BS_STAGE_LIGHT = 25               /* per pixel written in a scene with a light; light.at other than none */
+  BS_STAGE_LIGHT = 25,              /* per pixel written in a scene with a light; light.at other than none */
+  BS_STAGE_CANDIDATE = 26           /* per pixel that may be held while translucency.pass = candidate */
 };
 
 /* The planes of a picture: `height` rows of `width` elements, from the top. */

@@ -85,8 +85,24 @@ AlphaTest alpha_test_of(CompareFunc func, std::int64_t ref, const Register& alph
   return {func, least(ref), least(ref + 1)};
 }
 
+namespace {
+
+bool takes_alpha(TranslucencyPass pass, const Register& alpha, std::int64_t a) {
+  switch (pass) {
+    case TranslucencyPass::all:
+      return true;
+    case TranslucencyPass::opaque:
+      return a >= std::int64_t{1} << alpha.fraction;
+    case TranslucencyPass::candidate:
+      return a > 0 && a < std::int64_t{1} << alpha.fraction;
+  }
+  unreachable();
+}
+
+}  // namespace
+
 bool passes_alpha_test(const TextureStage& stage, std::int64_t a) {
-  return text::passes_alpha_test(stage.alpha, stage.alpha_test, a);
+  return takes_alpha(stage.pass, stage.alpha, a) && text::passes_alpha_test(stage.alpha, stage.alpha_test, a);
 }
 
 ChromaRange chroma_of(const DrawState& s) {

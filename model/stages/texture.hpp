@@ -50,6 +50,7 @@ struct TextureStage {
   Register uv, shade;       // formats of the fragment
   Register frac, mix, color, alpha;
   AlphaTest alpha_test;
+  TranslucencyPass pass = TranslucencyPass::all;
   bool kills_zero = true;  // alpha.zero
   bool is_last = true;     // no second unit behind it, so that alpha 0 and the alpha test kill here
   bool mixes_levels = false;
@@ -115,7 +116,7 @@ template <class Watch = NoObserve>
 Sampled sample(const TextureStage& stage, const Texture& image, const MipChain* chain,
                const FragmentRecord& fragment, const LodRecord& level, Watch watch = {},
                const TexelTest& test = {});
-// a: raw, texture.alpha.
+// Whether the translucency pass and the alpha test take a fragment; a: raw, texture.alpha.
 bool passes_alpha_test(const TextureStage& stage, std::int64_t a);
 
 // A fragment that passed the depth test; texture null for none. True where it lives (not out.killed).

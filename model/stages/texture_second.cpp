@@ -23,6 +23,7 @@ TextureSecondStage prepare_texture_second(const Config& config) {
 void set_texture_second(TextureSecondStage& stage, const DrawState& state, const Texture* image) {
   stage.image = image;
   stage.fetch.kills_zero = state.alpha_zero == AlphaZero::kill;
+  stage.fetch.pass = state.translucency_pass;
   stage.fetch.alpha_test = alpha_test_of(state.alpha_func, state.alpha_ref, stage.fetch.alpha);
   stage.fetch.lookup = second_lookup(state);
   stage.compares = is_projected(state) && state.texture1_compare && image != nullptr &&

@@ -7,8 +7,18 @@
 
 namespace bitspan::timed {
 
+// The values of candidate, which works in merge's clock.
+inline void candidate_values(Run& run, FragmentItem& item) {
+  CandidateRecord taken;
+  model::candidate(run.pipeline.depth.formats, item.fragment, item.depth, item.texel, item.fog,
+                   run.frame.candidates[run.pixel(item.fragment)], taken);
+  deliver(run.trace, taken);
+  ++run.counters.candidates;
+}
+
 // The values of merge, for both modes; writes the frame.
 inline void merge_values(Run& run, FragmentItem& item) {
+  if (holds_candidates(run.pipeline.state.translucency_pass)) return candidate_values(run, item);
   std::uint8_t* color = run.frame.color.data() + 4 * run.pixel(item.fragment);
   const WriteMask mask = model::write_mask(run.pipeline.state);
   MergeRecord merged;

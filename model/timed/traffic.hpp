@@ -171,6 +171,8 @@ class MergeTraffic {
   // a: texture's, raw.
   Needs needs(const model::Pipeline& pipeline, std::int64_t a) const {
     const DrawState& state = pipeline.state;
+    // Candidates are held beside the picture, in a memory that answers within the clock.
+    if (holds_candidates(state.translucency_pass)) return {false, false, false};
     return {state.color_write && model::reads_stored_color(pipeline.merge, a), state.color_write,
             state.depth_write};
   }

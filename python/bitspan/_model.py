@@ -132,6 +132,10 @@ class Model:
         """Makes a plane of a target, "color" or "depth", the texels of a texture of its size, for what is drawn from now on."""
         self._command({"copy": {"target": target, "plane": plane, "texture": texture}})
 
+    def resolve(self) -> None:
+        """Merges the candidates that the pixels hold, each the farthest translucent fragment of its pixel: {"translucency.pass": "candidate"} holds them."""
+        self._command({"resolve": True})
+
     def _command(self, command: dict[str, Any]) -> None:
         try:
             self._core.command(json.dumps(command))

@@ -174,6 +174,13 @@ TEST(Frozen, Light) {
   draw_light(random, scene, false);
   check_all("light", configs, {scene});
 }
+// Candidates that pixels hold, and resolves.
+TEST(Frozen, Translucency) {
+  Scene scene = random_scene(76);
+  Random random(76);
+  draw_translucency(random, scene);
+  check_all("translucency", shipped_configs(), {scene});
+}
 // Changes of draw state.
 TEST(Frozen, State) { check_all("state", shipped_configs(), {random_scene(71, random_states(0.4))}); }
 // Late depth and stencil tests.

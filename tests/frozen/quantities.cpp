@@ -86,7 +86,7 @@ void for_each_record(const Visit& visit) {
 
 // A change of state holds registers that are younger than the digests: those from target.format on enter one
 // where they do not hold their first value, with their place. So do those that came between, behind all
-// others.
+// others, with their keys, which later ones do not move.
 std::vector<std::int64_t> digested_values(const StateRecord& record, const Config& config) {
   const std::span<const std::int64_t> all = raw_values(record);
   const std::vector<std::int64_t> first = state_values(first_state(config));
@@ -98,7 +98,7 @@ std::vector<std::int64_t> digested_values(const StateRecord& record, const Confi
     const std::string_view key = state_registers()[i - 1].key;
     const bool is_first = all[i] == first[i - 1];
     if (is_later_register(key)) {
-      if (!is_first) between.insert(between.end(), {static_cast<std::int64_t>(all.size() + i), all[i]});
+      if (!is_first) between.insert(between.end(), {static_cast<std::int64_t>(fnv64(key)), all[i]});
       continue;
     }
     ++place;

@@ -223,6 +223,24 @@ class Scenes(unittest.TestCase):
             with self.assertRaises(bitspan.InputError):
                 bitspan.Scene.from_vertices(corners, 64, 64, light=bad)
 
+    def test_candidates(self):
+        corners = np.zeros((2, 3, 9))
+        corners[..., :5] = triangle()[0]
+        corners[..., 2] = [[5], [9]]  # the nearer one first
+        corners[..., 5:8], corners[..., 8] = [[[1, 0, 0]], [[0, 0, 1]]], 0.5
+        scene = bitspan.Scene.from_vertices(corners, 64, 64, background=(0, 0, 0))
+        with bitspan.Model("depth16") as model:
+            model.begin(scene)
+            model.state({"translucency.pass": "candidate"})
+            for expected in ([0, 0, 128, 255], [128, 0, 64, 255]):
+                model.draw(scene)
+                self.assertGreater(len(model.records("candidate")), 700)
+                model.resolve()
+                self.assertEqual(np.array(model.plane("color"))[12, 12].tolist(), expected)
+            model.draw(scene)
+            model.resolve()
+            self.assertEqual(np.array(model.plane("color"))[12, 12].tolist(), expected)
+
     def test_own_depth(self):
         corners = np.zeros((1, 3, 16))
         corners[..., :5] = [[(8, 8, 5, 0, 0), (48, 8, 9, 0, 0), (8, 48, 2, 0, 0)]]

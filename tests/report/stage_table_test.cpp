@@ -12,6 +12,7 @@
 #include "config/modes.hpp"
 #include "engine/registry.hpp"
 #include "report/upstream.hpp"
+#include "scene/plan.hpp"
 #include "scene/random.hpp"
 #include "tests/support/test_config.hpp"
 
@@ -92,6 +93,21 @@ std::vector<DrawnRun> runs() {
       engine->begin(lit);
       engine->draw(lit.triangles, 0, &run.trace);
       EXPECT_FALSE(run.trace.light.empty()) << run.name;
+      run.counters = engine->counters();
+    }
+    {
+      Scene layered = scene;
+      for (Triangle& t : layered.triangles) t.v[0].c[3] = t.v[1].c[3] = 0.5;
+      layered.commands = {
+          {0, StateChange{.settings = {state_setting("translucency.pass", TranslucencyPass::candidate)}}},
+          {layered.triangles.size(), Resolve{}}};
+      const auto engine = entry.make(shipped_config("depth16"), {});
+      DrawnRun& run = out.emplace_back();
+      run.name = std::string(entry.name) + " with candidates";
+      run.has_states = true;
+      engine->begin(layered);
+      draw_scene(*engine, layered, 0, layered.triangles.size(), &run.trace);
+      EXPECT_FALSE(run.trace.candidate.empty()) << run.name;
       run.counters = engine->counters();
     }
     options.command_probability = 0.5;
@@ -185,9 +201,10 @@ TEST(StageTable, EachRecordIsMadeFromOnesThatThereAre) {
           // A late depth test comes behind the texture, and not for what that kills.
           const bool of_texture = row.type == RecordType::texture || row.type == RecordType::texture_second;
           const bool late = run.has_states && of_texture && type == RecordType::depth;
-          // The second texture unit is on for some of the triangles, and projected for some of these.
-          const bool off =
-              run.has_states && (type == RecordType::texture_second || type == RecordType::project);
+          // The second texture unit is on for some of the triangles, and projected for some of these. Only
+          // some fragments were candidates.
+          const bool off = run.has_states && (type == RecordType::texture_second ||
+                                              type == RecordType::project || type == RecordType::candidate);
           // One per channel in use.
           const bool channels = row_of(type).per_channel() && n > 0;
           EXPECT_TRUE(n == 1 || (n == 2 && type == RecordType::edge) || (n == 0 && (late || off)) || channels)
