@@ -12,6 +12,8 @@
 #include "config/modes.hpp"
 #include "config/one_line.hpp"
 #include "engine/range.hpp"
+#include "engine/registry.hpp"
+#include "engine/translucency.hpp"
 #include "io/message.hpp"
 #include "scene/camera_views.hpp"
 #include "scene/demo.hpp"
@@ -121,6 +123,7 @@ SceneOptions seen_with(const Config& config, SceneOptions options) {
   options.depth_code = config.depth_code;
   options.light_by_unit = has_light(config.light);
   options.light_points = has_light_points(config);
+  options.config = config;
   return options;
 }
 
@@ -333,6 +336,14 @@ void add_scene_options(CLI::App& command, SceneOptions& o) {
           "x,y,z,X,Y,Z,degrees: the slide projector, the point in the middle of the image and the angle "
           "of its height. Of a mesh in its world, else as the viewer sees, as --shadow")
       ->group(group);
+  command
+      .add_option(
+          "--translucency", o.translucency,
+          "order: triangles are blended in the order of the scene; passes: from back to front at each "
+          "pixel, a layer in each pass, as the model finds them (default order)")
+      ->type_name("order|passes")
+      ->check(CLI::IsMember({"order", "passes"}))
+      ->group(group);
   command.add_flag("--no-cull", o.no_cull, "mesh: draw faces seen from behind too")->group(group);
   command.add_flag("--strict", o.strict, "mesh: refuse it where a texture that it names is missing or bad")
       ->group(group);
@@ -543,19 +554,34 @@ namespace {
 
 // Whether it is a stream as its own camera sees it, which can be drawn while it is read.
 bool comes_in_pieces(const std::string& name) { return split_view(name).camera == 0 && is_stream(name); }
+bool in_passes(const SceneOptions& options) { return options.translucency == "passes"; }
+// Whether the options make something of the whole scene.
+bool make_plans(const SceneOptions& o) { return !o.shadow.empty() || !o.slide.empty() || in_passes(o); }
+// The scene as passes that blend its layers from back to front.
+Scene as_passes(Scene scene, const SceneOptions& options) {
+  if (!options.config) {
+    throw InputError(
+        scene.name +
+        ": --translucency passes is for one configuration, whose model finds the passes; expected "
+        "order");
+  }
+  check_scene_range(*options.config, scene);
+  const std::unique_ptr<Engine> model = make_engine("model", *options.config);
+  return in_translucency_passes(std::move(scene), *model);
+}
 
 }  // namespace
 
 SceneSource open_scene(const std::string& name, const SceneOptions& options) {
   shadow_of(options);  // refuses what is not legal before a stream is read
-  if (comes_in_pieces(name) && options.shadow.empty() && options.slide.empty()) return {name, options};
+  if (comes_in_pieces(name) && !make_plans(options)) return {name, options};
   return SceneSource(load_scene(name, options));
 }
 
 std::vector<SceneSource> open_scenes(const std::string& name, const SceneOptions& options, bool whole) {
   shadow_of(options);  // refuses what is not legal before a stream is read
   std::vector<SceneSource> out;
-  const bool needs_all = whole || !options.shadow.empty() || !options.slide.empty();
+  const bool needs_all = whole || make_plans(options);
   if (comes_in_pieces(name) && name != "-" && !needs_all) {
     out.emplace_back(name, options);
   } else {
@@ -604,6 +630,7 @@ std::vector<LoadedScene> load_scenes(const std::string& name, const SceneOptions
     if (options.supersample > 1 && !streamed) {
       loaded.scene = supersampled(std::move(loaded.scene), options.supersample);
     }
+    if (in_passes(options)) loaded.scene = as_passes(std::move(loaded.scene), options);
   }
   return out;
 }
@@ -674,6 +701,7 @@ std::string flags_text(const SceneOptions& o) {
   number("--shadow-dark", o.shadow_dark);
   text("--slide", o.slide);
   text("--slide-from", o.slide_from);
+  out += in_passes(o) ? " --translucency passes" : "";
   out += o.no_cull ? " --no-cull" : "";
   out += o.strict ? " --strict" : "";
   out += o.frame ? fmt::format(" --frame {}", *o.frame) : "";

@@ -42,8 +42,10 @@ struct SceneOptions {
   // By what shadows are compared.
   int depth_bits = 16;
   DepthCode depth_code = DepthCode::inverse;
-  std::string slide, slide_from;  // an image; "x,y,z,X,Y,Z,degrees"
-  bool clip_sides = true;         // a mesh at the picture's borders
+  std::string translucency = "order";  // or "passes"
+  std::optional<Config> config;        // that the passes are found with
+  std::string slide, slide_from;       // an image; "x,y,z,X,Y,Z,degrees"
+  bool clip_sides = true;              // a mesh at the picture's borders
   bool no_cull = false;
   bool strict = false;        // a texture that a mesh names must be there
   bool allow_empty = false;   // a scene that draws nothing is no failure

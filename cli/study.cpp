@@ -78,6 +78,8 @@ std::vector<Scene> scenes_of(std::vector<std::string> names, int width, int heig
     if (options.size.empty() && takes_size(split_view(named).scene)) {
       options.size = fmt::format("{}x{}", width, height);
     }
+    // Each point would have passes of its own.
+    options.config.reset();
     if (!is_lit) {
       options.depth_bits = SceneOptions{}.depth_bits;
       options.depth_code = SceneOptions{}.depth_code;

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Translucent faces in any order: a plan of passes from back to front. [T6]
+#pragma once
+
+#include "engine/engine.hpp"
+
+namespace bitspan {
+
+// The translucent passes that a plan may take; each resolves one layer of every pixel.
+inline constexpr int translucency_pass_limit = 255;
+
+// Returns the scene as a plan that draws its opaque fragments first, and then the translucent ones from back
+// to front, a layer of each pixel at a time: at most two passes more than a pixel has layers, as the
+// engine finds them while it draws the plan. Changes of state in front of the first triangle hold in all
+// passes. The engine is begun anew. Throws InputError where the scene has other commands, and where the
+// passes do not suffice.
+Scene in_translucency_passes(Scene scene, Engine& engine);
+
+}  // namespace bitspan
