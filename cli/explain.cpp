@@ -20,6 +20,7 @@
 #include "engine/registry.hpp"
 #include "report/describe.hpp"
 #include "report/error.hpp"
+#include "report/layers.hpp"
 #include "report/lockstep.hpp"
 #include "report/table.hpp"
 #include "report/upstream.hpp"
@@ -230,13 +231,14 @@ OracleWords ask_oracles(const ExplainArguments& o, std::span<const Oracle* const
                         const std::string& engine, std::vector<std::vector<std::string>>& rows) {
   OracleWords out;
   if (oracles.empty()) return out;
-  std::string why;
   const std::optional<ShadowPlan> plan = shadow_plan_of(config, scene);
   const Scene& shown = plan ? plan->picture : scene;
   std::optional<Frame> of_picture;
   if (plan) of_picture = frame_of_picture(*plan, frame);
   const Frame& of_shown = of_picture ? *of_picture : frame;
-  const std::optional<Visibility> visibility = visibility_of(config, shown, why);
+  std::string refusal;
+  const std::optional<Visibility> visibility = visibility_of(config, shown, refusal);
+  const std::optional<Scene> layered = layered_picture_of(scene);
   const auto at = static_cast<std::size_t>(o.y * shown.width + o.x);
   const auto tell = [&](const Oracle& oracle, std::string_view what, const PixelFinding& found) {
     out.lines.push_back(
@@ -244,10 +246,20 @@ OracleWords ask_oracles(const ExplainArguments& o, std::span<const Oracle* const
     if (oracle.is_truth && found.verdict == PixelVerdict::unexplained) out.held = false;
   };
   for (const Oracle* oracle : oracles) {
-    if (visibility) why = own_refusal(*oracle, config, shown);
+    const bool by_layers = layered && oracle->has_layers;
+    const std::string why = by_layers    ? layer_refusal(config, *layered)
+                            : visibility ? own_refusal(*oracle, config, shown)
+                                         : refusal;
     if (!why.empty()) {
       out.lines.push_back(fmt::format("oracle {} left out: {}", oracle->name, why));
       out.left_out = true;
+      continue;
+    }
+    if (by_layers) {
+      std::vector<golden::Layer> layers = golden::make_abuffer(config, *layered).pixels.at(at);
+      golden::sort_layers(config, layers);
+      tell(*oracle, "", layer_findings(config, *layered, frame, engine).at(at));
+      for (std::string& line : layers_text(config, layers)) out.lines.push_back(std::move(line));
       continue;
     }
     const std::vector<Visible> picture = visibility->picture(*oracle);

@@ -13,6 +13,7 @@
 #include "cli/progress.hpp"
 #include "config/modes.hpp"
 #include "engine/stages.hpp"
+#include "report/layers.hpp"
 #include "report/metrics.hpp"
 #include "report/table.hpp"
 #include "study/oracles.hpp"
@@ -152,30 +153,40 @@ void judge_emptiness(SceneVerdict& v, const VerifyOptions& options) {
 void compare_oracles(const VerifyOptions& options, const Scene& scene, const Engine& engine,
                      SceneVerdict& v) {
   if (options.oracles.empty()) return;
-  std::string why;
   const std::optional<ShadowPlan> plan = shadow_plan_of(v.config, scene);
   const Scene& shown = plan ? plan->picture : scene;
   std::optional<Frame> of_picture;
   if (plan) of_picture = frame_of_picture(*plan, engine.frame());
   const Frame& frame = of_picture ? *of_picture : engine.frame();
-  const std::optional<Visibility> visibility = visibility_of(v.config, shown, why);
+  std::string refusal;
+  const std::optional<Visibility> visibility = visibility_of(v.config, shown, refusal);
+  const std::optional<Scene> layered = layered_picture_of(scene);
   for (const Oracle* oracle : options.oracles) {
-    if (visibility) why = own_refusal(*oracle, v.config, shown);
-    if (why.empty()) {
-      const std::vector<Visible> picture = visibility->picture(*oracle);
-      v.oracles.push_back(visibility->compare(*oracle, picture, frame, engine.name()));
-      if (v.oracles.back().compared() != 0 || v.counters.covered == 0) {
-        if (plan && oracle->has_shadows) {
-          const VisibilityReport seen = v.oracles.back();
-          v.oracles.push_back(
-              shadow_report(seen, shadows_of(v.config, *plan, picture, seen, options.engine)));
-        }
-        continue;
+    const auto leave_out = [&](const std::string& why) {
+      v.oracles_left_out.push_back(fmt::format("oracle {} left out: {}", oracle->name, why));
+    };
+    if (layered && oracle->has_layers) {
+      if (const std::string why = layer_refusal(v.config, *layered); !why.empty()) {
+        leave_out(why);
+      } else {
+        v.oracles.push_back(layer_report(*oracle, frame, engine.name(),
+                                         layer_findings(v.config, *layered, frame, engine.name())));
       }
-      why = "at each pixel a triangle may be seen whose fragments may be killed";
-      v.oracles.pop_back();
+      continue;
     }
-    v.oracles_left_out.push_back(fmt::format("oracle {} left out: {}", oracle->name, why));
+    if (const std::string why = visibility ? own_refusal(*oracle, v.config, shown) : refusal; !why.empty()) {
+      leave_out(why);
+      continue;
+    }
+    const std::vector<Visible> picture = visibility->picture(*oracle);
+    v.oracles.push_back(visibility->compare(*oracle, picture, frame, engine.name()));
+    if (v.oracles.back().compared() == 0 && v.counters.covered != 0) {
+      v.oracles.pop_back();
+      leave_out("at each pixel a triangle may be seen whose fragments may be killed");
+    } else if (plan && oracle->has_shadows) {
+      const VisibilityReport seen = v.oracles.back();
+      v.oracles.push_back(shadow_report(seen, shadows_of(v.config, *plan, picture, seen, options.engine)));
+    }
   }
 }
 

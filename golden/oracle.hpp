@@ -42,6 +42,8 @@ struct Oracle {
   bool is_truth = true;
   // Its pictures of scenes with a shadow map are compared with rays from the light as well.
   bool has_shadows = false;
+  // It judges the colours of scenes that are drawn in translucency passes, by the layers of each pixel.
+  bool has_layers = false;
   // Why it does not draw a scene, beside what no oracle draws; empty where it does. Null: it draws all.
   std::string (*refuses)(const Config& config, const Scene& scene) = nullptr;
   // Returns height * width pixels, rows from the top. Of faces that are exactly as far, the one of the least

@@ -93,6 +93,7 @@ std::string refusal_of(const DrawState& state, const std::vector<bool>& opaque) 
   if (!state.color_write) return refuse("color.write", "true");
   if (masks_pixels(state)) return refuse("scissor, stipple", "the whole picture");
   if (state.stencil_test) return refuse("stencil.test", "false");
+  if (state.translucency_pass != TranslucencyPass::all) return refuse("translucency.pass", "all");
   if (state.alpha_func != CompareFunc::always) return refuse("alpha.func", "always");
   if (state.chroma_test != ChromaTest::none) return refuse("chroma.test", "none");
   if (has_second_texture(state) && !opaque[static_cast<std::size_t>(state.texture1)]) {
@@ -110,7 +111,7 @@ std::string pixel_text(const PixelFinding& found) {
     case PixelVerdict::equal:
       return "equal";
     case PixelVerdict::tie:
-      return "a tie that the bounds predict";
+      return found.why.empty() ? "a tie that the bounds predict" : "a tie: " + found.why;
     case PixelVerdict::edge:
       return "at a shadow's edge";
     case PixelVerdict::unexplained:
@@ -122,9 +123,9 @@ std::string pixel_text(const PixelFinding& found) {
 }
 
 std::string visibility_text(const VisibilityReport& r) {
-  std::string out = fmt::format("{} against {}: {} pixels equal, {} ties that the bounds predict, {} {}",
-                                r.oracle, r.engine, r.equal, r.ties, r.unexplained,
-                                r.is_truth ? "unexplained" : "wrong, as this algorithm may be");
+  std::string out =
+      fmt::format("{} against {}: {} pixels equal, {} ties {}, {} {}", r.oracle, r.engine, r.equal, r.ties,
+                  r.ties_as, r.unexplained, r.is_truth ? "unexplained" : "wrong, as this algorithm may be");
   if (r.edges != 0) out += fmt::format("; {} at a shadow's edge", r.edges);
   if (r.left_out != 0) out += fmt::format("; {} left out, {}", r.left_out, r.left_out_as);
   return out;

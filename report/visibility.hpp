@@ -42,6 +42,7 @@ struct VisibilityReport {
   bool is_truth = true;
   int width = 0, height = 0;
   std::uint64_t background = 0, equal = 0, ties = 0, edges = 0, unexplained = 0, left_out = 0;
+  std::string_view ties_as = "that the bounds predict";
   std::string_view left_out_as = "whose fragments may be killed";
   std::string first;  // the first unexplained pixel, in one line; empty without one
   std::vector<PixelVerdict> pixels;

@@ -516,6 +516,54 @@ TEST_F(Cli, AMeshHasALight) {
   refused("render demo --light=1,2,3 -o x.png", "--light is for meshes");
 }
 
+// Two panes of glass that cut each other, in either order of their faces.
+TEST_F(Cli, GlassIsBlendedFromBackToFront) {
+  folder.write("g.mtl", "newmtl red\nKd 1 0.2 0.1\nd 0.5\nnewmtl blue\nKd 0.1 0.2 1\nd 0.6\n");
+  const std::string points =
+      "mtllib g.mtl\nv -1 -1 -1\nv 1 -1 1\nv 1 1 1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 1\n";
+  const std::string red = "usemtl red\nf 1 2 3 4\n", blue = "usemtl blue\nf 5 6 7 8\n";
+  folder.write("a.obj", points + red + blue);
+  folder.write("b.obj", points + blue + red);
+  const std::string flags = " --size 80x60 --no-cull --unlit --yaw 20 --config depth20";
+  const auto picture = [&](const std::string& scene, const std::string& rest) {
+    const Result r = run("render " + scene + flags + rest + " -o g.png --emit-tri g.tri");
+    EXPECT_EQ(r.code, 0) << r.err;
+    return folder.read("g.png");
+  };
+  EXPECT_NE(picture("a.obj", ""), picture("b.obj", ""));
+  EXPECT_EQ(picture("a.obj", " --translucency order"), picture("a.obj", ""));
+  const std::string first = picture("a.obj", " --translucency passes");
+  EXPECT_EQ(picture("b.obj", " --translucency passes"), first);
+  EXPECT_NE(folder.read("g.tri").find(R"({"resolve":true})"), std::string::npos);
+  ASSERT_EQ(run("render g.tri --config depth20 -o again.png").code, 0);
+  EXPECT_EQ(folder.read("again.png"), first);
+  EXPECT_EQ(run("verify a.obj" + flags + " --translucency passes --engines golden,model,systemc").code, 0);
+  const Result judged =
+      run("verify a.obj" + flags + " --translucency passes --engines golden,model --oracles abuffer");
+  EXPECT_EQ(judged.code, 0) << judged.err;
+  EXPECT_NE(judged.out.find(" 0 unexplained"), std::string::npos) << judged.out;
+  // A triangle is missing in one pass, and the lists tell.
+  std::string tri = folder.read("g.tri");
+  const std::size_t line = tri.find('\n', tri.find("candidate")) + 1;
+  folder.write("lost.tri", tri.erase(line, tri.find('\n', line) + 1 - line));
+  const Result lost = run("verify lost.tri --config depth20 --engines golden,model --oracles abuffer");
+  EXPECT_EQ(lost.code, 1) << lost.out;
+  EXPECT_NE((lost.out + lost.err).find(" layers make "), std::string::npos) << lost.out << lost.err;
+  const Result told = run("explain a.obj 40 30" + flags + " --translucency passes --oracles abuffer");
+  EXPECT_EQ(told.code, 0) << told.err;
+  EXPECT_NE(told.out.find("layer 1: triangle "), std::string::npos) << told.out;
+  // A stream, and more samples.
+  ASSERT_EQ(run("render b.obj" + flags + " -o x.png --emit-tri b.tri").code, 0);
+  ASSERT_EQ(run("render b.tri --config depth20 --translucency passes -o again.png").code, 0);
+  EXPECT_EQ(folder.read("again.png"), first);
+  EXPECT_EQ(run("render a.obj" + flags + " --translucency passes --supersample 2 -o x.png").code, 0);
+  refused("render a.obj --translucency glass -o x.png", "--translucency");
+  refused("render a.obj" + flags + " --translucency passes --shadow-volumes --shadow=3,5,4 -o x.png",
+          "translucency by passes is for a scene with one draw state and one target");
+  folder.write("bad.tri", folder.read("g.tri") + "{\"resolve\": 1}\n");
+  refused("render bad.tri -o x.png", "resolve: 1 is not legal; expected true");
+}
+
 TEST_F(Cli, TwoEyesSeeAPicture) {
   const std::string spot = source_path("tests/data/spot.obj") + " --size 96x72";
   std::set<std::string> pictures;
@@ -927,7 +975,7 @@ TEST_F(Cli, OraclesAreComparedAndShown) {
   EXPECT_EQ(run("verify clear.tri --engines golden,model --oracles simplex --allow-missing").code, 0);
   EXPECT_EQ(run("explain clear.tri 8 8 --engines golden --oracles simplex").code, 1);
   refused("explain a.tri 8 8 --oracles nobody", "'nobody' is no oracle");
-  refused("verify a.tri --oracles nobody", "'nobody' is no oracle; legal: all, half_planes, ");
+  refused("verify a.tri --oracles nobody", "'nobody' is no oracle; legal: all, abuffer, half_planes, ");
   refused("verify a.tri --engines golden,model --oracle-maps maps", "--oracle-maps: goes with --oracles");
   refused("verify --suite 'fill.*' --oracles all", "leave out --oracles");
 }
