@@ -43,15 +43,6 @@ HWY_INLINE bool below(Lanes x, int bits) {
   return bits >= 0 && all((x ^ (x >> 63)) < Lanes(std::int64_t{1} << bits));
 }
 
-template <class Int>
-HWY_INLINE Int constant(int128 x) {
-  if constexpr (std::is_same_v<Int, WideLanes> || std::is_same_v<Int, int128>) {
-    return Int(x);
-  } else {
-    return Int(static_cast<std::int64_t>(x));
-  }
-}
-
 // a b in Int, which holds it.
 template <class Int>
 HWY_INLINE Int product_in(SumOf<ValueOf<Int>> a, SumOf<ValueOf<Int>> b) {

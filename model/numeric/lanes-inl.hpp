@@ -211,6 +211,13 @@ HWY_INLINE WideLanes operator>>(WideLanes a, int by) {
   if (by >= 64) return {a.hi >> 63, a.hi >> (by - 64)};
   return {a.hi >> by, shift_right_unsigned(a.lo, Lanes(by)) | (a.hi << (64 - by))};
 }
+// floor(log2 x) of x > 0.
+HWY_INLINE Lanes top_bit(WideLanes x) {
+  const auto is_wide = x.hi != Lanes(0);
+  const auto is_full = x.lo < Lanes(0);  // of a word without a sign
+  const Lanes of_word = select(is_full, Lanes(63), top_bit(select(is_full, Lanes(1), x.lo)));
+  return select(is_wide, top_bit(select(is_wide, x.hi, Lanes(1))) + Lanes(64), of_word);
+}
 // The whole product of two 64-bit integers.
 #if HWY_TARGET == HWY_SCALAR
 HWY_INLINE WideLanes product_of(Lanes a, Lanes b) { return int128{hn::GetLane(a.v)} * hn::GetLane(b.v); }
@@ -254,6 +261,26 @@ struct ValueOfType<WideLanes> {
 };
 template <class Int>
 using ValueOf = typename ValueOfType<Int>::type;
+
+// WideOf<V>: what products of registers are held in whose lanes are V.
+template <class V>
+struct WideOf {
+  using type = int128;
+};
+template <>
+struct WideOf<Lanes> {
+  using type = WideLanes;
+};
+
+// A number that fits Int.
+template <class Int>
+HWY_INLINE Int constant(int128 x) {
+  if constexpr (std::is_same_v<Int, WideLanes> || std::is_same_v<Int, int128>) {
+    return Int(x);
+  } else {
+    return Int(static_cast<std::int64_t>(x));
+  }
+}
 
 // ElementOf<Int>: one integer of such a value.
 template <class Int>
@@ -315,6 +342,10 @@ HWY_INLINE std::int64_t top_bit(int128 x) { return bit_length(static_cast<uint12
 HWY_INLINE std::int64_t min(std::int64_t a, std::int64_t b) { return a < b ? a : b; }
 HWY_INLINE std::int64_t max(std::int64_t a, std::int64_t b) { return a > b ? a : b; }
 HWY_INLINE bool any(bool m) { return m; }
+// An integer that fits a register.
+HWY_INLINE std::int64_t low_word(int128 x) { return static_cast<std::int64_t>(x); }
+HWY_INLINE Lanes low_word(Lanes x) { return x; }
+HWY_INLINE Lanes low_word(WideLanes x) { return x.lo; }
 HWY_INLINE std::int64_t one_where(bool m) { return m ? 1 : 0; }
 
 }  // namespace bitspan::model::HWY_NAMESPACE

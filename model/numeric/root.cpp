@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model/numeric/root.hpp"
 
+#include "model/numeric/root-inl.hpp"
+
 namespace bitspan::model {
 namespace {
 
@@ -30,22 +32,8 @@ ReciprocalRoot::ReciprocalRoot(const Config& config)
 
 template <class Watch>
 Root reciprocal_root(const ReciprocalRoot& root, Exact d, Watch watch) {
-  const RootUnit& unit = root.unit;
-  const int top = bit_length(static_cast<uint128>(d.raw)) - 1 - d.fraction;  // 2^top <= d
-  const int e = top >> 1;
-  const auto cut = [](Exact x, int fraction) { return floor_of(scaled(x, -fraction)); };
-  const auto n = static_cast<std::int64_t>(cut(scaled(d, 2 * e), unit.operand_bits));
-  const int octave = static_cast<int>(n >> (unit.operand_bits + 1));
-  const std::int64_t place = n >> (unit.operand_bits + octave - unit.index_bits);  // with its highest bit
-  const std::int64_t entries = std::int64_t{1} << unit.index_bits;
-  Exact y{root.table[static_cast<std::size_t>((octave - 1) * entries + place)], unit.table_bits};
-  const Exact operand{n, unit.operand_bits};
-  for (int step = 0; step < unit.steps; ++step) {
-    const Exact a{cut(operand * y, unit.internal_bits), unit.internal_bits};
-    const Exact c{cut(a * y, unit.internal_bits), unit.internal_bits};
-    y = {cut(scaled(y * (Exact{3, 0} - c), 1), unit.internal_bits), unit.internal_bits};
-  }
-  return {quantize(y, root.output, watch), e};
+  const auto out = HWY_NAMESPACE::reciprocal_root<int128>(root, d.raw, d.fraction, watch);
+  return {out.m, static_cast<int>(out.e)};
 }
 
 template Root reciprocal_root(const ReciprocalRoot&, Exact, NoObserve);

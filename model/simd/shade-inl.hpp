@@ -9,6 +9,7 @@
 #include "model/simd/levels-inl.hpp"
 #include "model/simd/pixel_tests.hpp"
 #include "model/simd/shade.hpp"
+#include "model/stages/distance-inl.hpp"
 #include "model/stages/fog-inl.hpp"
 #include "model/stages/light-inl.hpp"
 #include "model/stages/merge-inl.hpp"
@@ -902,13 +903,48 @@ void project_block(const Pipeline& pipeline, const FragmentBlock<T>& block, Proj
   }
 }
 
+// The brightness per pixel in lanes. Wide: what the square of a normal's length fits.
+template <class Wide, class T>
+void brighten_block(const Pipeline& pipeline, const FragmentBlock<T>& block, int width, T* out) {
+  const LightStage& light = pipeline.light;
+  const auto normals = static_cast<std::size_t>(pipeline.channels.normal_at);
+  const auto wide = hn::Set(hn::ScalableTag<double>(), static_cast<double>(width));
+  constexpr NoObserve watch;
+  for (std::size_t k = 0; k < block.size; k += Lanes::count) {
+    const auto active = first<Lanes>(block.size - k);
+    const auto at = [&](const auto* column) HWY_ATTR { return select(active, load_wide(column), Lanes(0)); };
+    const VectorOf<Lanes> n{at(block.channel[normals] + k), at(block.channel[normals + 1] + k),
+                            at(block.channel[normals + 2] + k)};
+    Lanes x(0), y(0), s(0);
+    if (light.is_point) {
+      const Lanes pixel = at(block.pixel + k);
+      y = to_int(hn::Div(to_double(pixel), wide));  // exact: both have 31 bits at most
+      x = pixel - y * Lanes(width);
+      s = distance_point<Lanes>(pipeline.distance, at(block.h + k), watch).s;
+    }
+    const auto from_here = [&]<class Product>() HWY_ATTR {
+      return direction_from<Lanes, WideLanes, Product>(light, (x << 1) + Lanes(1), (y << 1) + Lanes(1), 1, s,
+                                                       light.pixel_s.fraction, watch);
+    };
+    const VectorOf<Lanes> direction = light.places_fit_int64 ? from_here.template operator()<Lanes>()
+                                                             : from_here.template operator()<WideLanes>();
+    store_as(out + k, shine<Lanes, Wide>(light, n, direction, watch).value);
+  }
+}
+
 // The brightness of a block's fragments; width: of the frame.
 template <class T>
-void light_block(const Pipeline& pipeline, const FragmentBlock<T>& block, int width, T* out) {
+void light_block(const Pipeline& pipeline, const ShadePlan& plan, const FragmentBlock<T>& block, int width,
+                 T* out) {
   const ChannelStage& channels = pipeline.channels;
   if (channels.light_at >= 0) {
     const std::int64_t* const values = block.channel[channels.light_at];
     for (std::size_t k = 0; k < block.size; ++k) out[k] = static_cast<T>(values[k]);
+    return;
+  }
+  if (plan.holds_brightness) {
+    plan.normals_fit_int64 ? brighten_block<Lanes>(pipeline, block, width, out)
+                           : brighten_block<WideLanes>(pipeline, block, width, out);
     return;
   }
   LightRecord record;
@@ -1065,7 +1101,7 @@ void shade_units(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFor
   }
   HWY_ALIGN T brightness[FragmentBlock<T>::padded];
   if (pipeline.light.is_on) {
-    light_block(pipeline, block, frame.width, brightness);
+    light_block(pipeline, plan, block, frame.width, brightness);
     units.brightness = brightness;
   }
   if (pipeline.has_lod && (textures[0] >= 0 || textures[1] >= 0)) {

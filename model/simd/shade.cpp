@@ -154,6 +154,39 @@ bool holds(bool fits(const Config&, int bits), const Config& config, ShadeLanes 
   unreachable();
 }
 
+// What light computes of a fragment's brightness, in lanes of 64 bits; the place of a point and the squares
+// of lengths in 128.
+bool fits_brightness(const Config& c) {
+  using F = FormatId;
+  const auto of = [&](F id) { return signed_grid(c.format(id)); };
+  const auto narrows = [&](Grid value, F id) {
+    return held_in(64, c.format(id)) && narrows_in(64, value, c.format(id));
+  };
+  const RootUnit& unit = c.light_root;
+  const int of_y = std::max(unit.table_bits, unit.internal_bits) + 2;
+  if (std::max(unit.operand_bits + 2 + of_y, unit.internal_bits + 3 + of_y) > 62) return false;
+  bool fit = narrows(Grid{1, of_y - 2, true}, F::light_root);
+  // The shift of a part of a vector differs from lane to lane, and rounding has a place more.
+  const auto becomes_unit = [&](Grid x, F id) {
+    return fits_int64(x) && (x * of(F::light_root)).bits() <= 61 && held_in(64, c.format(id));
+  };
+  fit = fit && becomes_unit(of(F::normal_value), F::light_normal);
+  if (has_light_points(c)) {
+    const Grid pixels{17, 1, true};
+    fit = fit && fits_int64(pixels * of(F::light_scale)) && narrows(of(F::distance_s), F::light_position) &&
+          fits_int64(of(F::span_h) + of(F::setup_b)) && fits_int64(of(F::distance_a)) &&
+          becomes_unit(of(F::light_position) - of(F::light_position), F::light_direction);
+  }
+  const Grid normal = of(F::light_normal), direction = of(F::light_direction), cosine = of(F::light_cosine);
+  const Grid both = normal * direction;
+  const Grid specular = of(F::light_specular), value = of(F::light_value);
+  const Grid within{1, std::max(cosine.fraction - c.light_index_bits, 0), true};
+  return fit && held_in(64, c.format(F::light_direction)) && narrows(both + both + both, F::light_cosine) &&
+         narrows(direction - scaled(cosine * normal, -1), F::light_cosine) &&
+         narrows(specular + (specular - specular) * within, F::light_specular) &&
+         narrows(value + value * cosine + value * specular, F::light_value);
+}
+
 // ---------------------------------------------------------------- textures and zones
 
 // The columns or rows that an axis of a texture takes.
@@ -333,6 +366,9 @@ void prepare_view(ShadePlan& plan, const Pipeline& pipeline, const Config& confi
   plan.holds_any = holds_any_shading(config, plan.held_in);
   plan.holds_second = plan.holds_any && holds_second_texture(config, plan.held_in);
   plan.holds_lit = plan.holds_any && holds_light(config, plan.held_in);
+  plan.holds_brightness = fits_brightness(config);
+  const Grid normal = signed_grid(config.format(FormatId::normal_value));
+  plan.normals_fit_int64 = fits_int64(normal * normal + normal * normal + normal * normal);
   if (!has_fog_table(fog)) return;
   plan.zones = zones_of(pipeline.fog);
   plan.fog_table32.clear();

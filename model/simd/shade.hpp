@@ -69,7 +69,9 @@ struct ShadePlan {
   bool holds_any = false;     // what shade_any computes besides fits the same lanes
   bool holds_second = false;  // and what the second texture unit does
   bool holds_lit = false;     // and light
-  bool branch_free = false;   // every register rounds by adding a constant, and saturates
+  bool holds_brightness = false,
+       normals_fit_int64 = false;  // of a light at pixels, and the squares of theirs
+  bool branch_free = false;        // every register rounds by adding a constant, and saturates
   ShadeFormats formats;
   std::vector<ShadeTextures> textures;  // in every way that a draw state asked for
   // Those that each texture unit takes, and those where the level of detail is at most 0.

@@ -7,6 +7,7 @@
 
 #include "config/modes.hpp"
 #include "model/numeric/big_integer.hpp"
+#include "model/stages/distance-inl.hpp"
 
 namespace bitspan::model {
 namespace {
@@ -122,11 +123,14 @@ DistanceStage prepare_distance(const Config& config, const Constants& constants,
                                Watch watch) {
   DistanceStage s;
   s.true_distance = has_true_distance(config);
-  s.b = b_of(config, constants.record);
+  s.q = make_inverse_depth(config, constants);
   s.a = distance_constant(config, constants, watch);
   s.reciprocal = ReciprocalUnit(config.pixel_reciprocal, RegisterId::pixel_reciprocal);
-  s.h = make_register(config, FormatId::span_h);
   s.s = make_register(config, FormatId::distance_s);
+  // No exponent is below that of one ulp of h + B, so that nothing is shifted up.
+  const Register& m = s.reciprocal.output();
+  s.fits_int64 = bit_length(static_cast<uint128>(s.a.raw)) + m.word <= 61 &&
+                 s.a.fraction + m.fraction - std::max(s.q.fraction, 0) > s.s.fraction;
   s.g = make_register(config, FormatId::distance_g);
   s.d = make_register(config, FormatId::distance_d);
   if (!s.true_distance) return s;
@@ -141,10 +145,10 @@ void distance(const DistanceStage& stage, const FragmentRecord& fragment, Distan
   out.triangle = fragment.triangle;
   out.x = fragment.x;
   out.y = fragment.y;
-  const Inverse r = stage.reciprocal(value_of(fragment.h, stage.h) + stage.b, watch);
-  out.recip_m = r.m;
-  out.recip_e = r.e;
-  out.s = quantize(stage.a * stage.reciprocal.value(r), stage.s, watch);
+  const auto point = HWY_NAMESPACE::distance_point<int128>(stage, fragment.h, watch);
+  out.recip_m = point.recip_m;
+  out.recip_e = point.recip_e;
+  out.s = point.s;
   if (!stage.true_distance) return;
   out.zone = zone_of(stage.zones, fragment.x, fragment.y);
   const Exact g = value_of(stage.factors[static_cast<std::size_t>(out.zone)], stage.g);

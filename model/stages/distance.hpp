@@ -11,6 +11,7 @@
 #include "model/numeric/quantize.hpp"
 #include "model/numeric/reciprocal.hpp"
 #include "model/stages/constants.hpp"
+#include "model/stages/span.hpp"
 #include "scene/scene.hpp"
 
 namespace bitspan::model {
@@ -39,9 +40,11 @@ std::vector<std::int64_t> zone_factors(const Config& config, const Scene& scene,
 
 struct DistanceStage {
   bool true_distance = false;  // d is formed
-  Exact b, a;                  // B and A'
+  InverseDepth q;              // h + B
+  Exact a;                     // A'
+  bool fits_int64 = false;     // A' m does, and where it is rounded
   ReciprocalUnit reciprocal;   // R_pixel
-  Register h, s, g, d;
+  Register s, g, d;
   ScreenZones zones;
   std::vector<std::int64_t> factors;  // G, by zone
 };

@@ -34,24 +34,6 @@ template <class V>
 struct LinearFog {
   V recip_m, recip_e, factor;
 };
-template <class V>
-struct WideOf {
-  using type = int128;
-};
-template <>
-struct WideOf<Lanes> {
-  using type = WideLanes;
-};
-
-template <class Int>
-HWY_INLINE Int constant(int128 x) {
-  if constexpr (std::is_same_v<Int, int128>) {
-    return x;
-  } else {
-    return Int(static_cast<std::int64_t>(x));
-  }
-}
-
 // Linear fog's factor. Int: what h + B is formed in; int128 or Lanes.
 template <class Int, class Watch>
 HWY_INLINE LinearFog<ValueOf<Int>> linear_fog(const FogStage& stage, const FogFormats& formats,

@@ -13,6 +13,8 @@
 namespace bitspan::model {
 namespace {
 
+namespace text = HWY_NAMESPACE;
+
 // Q of (j 2^-bits)^power, 0 <= j <= 2^bits.
 template <class Watch>
 std::int64_t power_of(std::int64_t j, int bits, int power, const Register& r, Watch watch) {
@@ -32,77 +34,6 @@ std::int64_t power_of(std::int64_t j, int bits, int power, const Register& r, Wa
   mpz_fdiv_q_2exp(high.get(), x.get(), 32);
   const int128 floor = int128{mpz_get_ui(high.get())} << 32 | (mpz_get_ui(x.get()) & 0xFFFFFFFF);
   return quantize(floor << 1 | (sticky ? 1 : 0), fraction + 1, r, watch);
-}
-
-// X / |X|; 0 where X is.
-template <class Watch>
-std::array<std::int64_t, 3> of_length_1(const ReciprocalRoot& root, const std::array<Exact, 3>& x,
-                                        const Register& r, Watch watch) {
-  const Exact d = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
-  if (d.raw == 0) return {};
-  const auto [m, e] = reciprocal_root(root, d, watch);
-  const Exact by = scaled(value_of(m, root.output), e);
-  return {quantize(x[0] * by, r, watch), quantize(x[1] * by, r, watch), quantize(x[2] * by, r, watch)};
-}
-
-// The direction from a point of the view to the light; x, y: pixels from the left and from the top.
-template <class Watch>
-std::array<std::int64_t, 3> direction_from(const LightStage& stage, Exact x, Exact y, Exact s, Watch watch) {
-  if (!stage.is_point) return stage.far_direction;
-  const Exact per_pixel = s * stage.scale;
-  const auto from_here = [&](Exact to, Exact here) {
-    return to - value_of(quantize(here, stage.position, watch), stage.position);
-  };
-  return of_length_1(
-      stage.root,
-      {from_here(stage.place[0], (x - stage.middle_x) * per_pixel),
-       from_here(stage.place[1], (y - stage.middle_y) * per_pixel), from_here(stage.place[2], s)},
-      stage.direction, watch);
-}
-
-// The power of a cosine, which is above 0.
-template <class Watch>
-std::int64_t highlight_of(const LightStage& stage, std::int64_t mirrored, Watch watch) {
-  const Exact one{1, 0};
-  const Exact cosine = value_of(mirrored, stage.cosine);
-  const Exact g = sign_of(cosine - one) > 0 ? one : cosine;
-  const Exact place = scaled(g, -stage.index_bits);
-  const std::int64_t last = (std::int64_t{1} << stage.index_bits) - 1;
-  const std::int64_t j = std::min(last, static_cast<std::int64_t>(floor_of(place)));
-  const auto at = stage.table.begin() + j;
-  const Exact low = value_of(at[0], stage.specular);
-  const Exact rise = value_of(at[1], stage.specular) - low;
-  return quantize(low + rise * (place - Exact{j, 0}), stage.specular, watch);
-}
-
-struct Shine {
-  std::array<std::int64_t, 3> normal{}, direction{};
-  std::int64_t cosine = 0, mirrored = 0, specular = 0, value = 0;
-};
-// n: raw, normal.value.
-template <class Watch>
-Shine shine(const LightStage& stage, const std::array<std::int64_t, 3>& n,
-            const std::array<std::int64_t, 3>& direction, Watch watch) {
-  Shine out;
-  out.direction = direction;
-  const auto given = [&](std::size_t i) { return value_of(n[i], stage.given_normal); };
-  out.normal = of_length_1(stage.root, {given(0), given(1), given(2)}, stage.normal, watch);
-  const auto normal = [&](std::size_t i) { return value_of(out.normal[i], stage.normal); };
-  const auto to_light = [&](std::size_t i) { return value_of(direction[i], stage.direction); };
-  out.cosine = quantize(normal(0) * to_light(0) + normal(1) * to_light(1) + normal(2) * to_light(2),
-                        stage.cosine, watch);
-  const Exact cosine = value_of(out.cosine, stage.cosine);
-  // The viewer is at (0, 0, -1).
-  out.mirrored = quantize(to_light(2) - scaled(cosine * normal(2), -1), stage.cosine, watch);
-  const auto share = [&](std::int64_t raw) { return value_of(raw, stage.value); };
-  Exact sum = share(stage.ambient);
-  if (out.cosine > 0) {
-    if (out.mirrored > 0) out.specular = highlight_of(stage, out.mirrored, watch);
-    sum =
-        sum + share(stage.diffuse) * cosine + share(stage.highlight) * value_of(out.specular, stage.specular);
-  }
-  out.value = quantize(sum, stage.value, watch);
-  return out;
 }
 
 }  // namespace
@@ -134,21 +65,29 @@ LightStage prepare_light(const Config& config, const Constants& constants, const
   s.vertex_s = make_register(config, FormatId::setup_s);
   s.pixel_s = make_register(config, FormatId::distance_s);
   s.exponent = constants.exponent;
-  s.middle_x = {scene.width, 1};
-  s.middle_y = {scene.height, 1};
+  s.width = scene.width;
+  s.height = scene.height;
   int down = s.exponent;
   if (light.is_point) {
     const int octaves = ceil_log2(scene.focal);
     const Register r = make_register(config, FormatId::light_scale);
     s.scale = scaled(value_of(quantize_ratio({1, -octaves}, exact_of(scene.focal), r, watch), r), octaves);
+    // Halves of a pixel from the middle are fewer than the pixels of a side.
+    const int across = bit_length(static_cast<std::uint64_t>(std::max(scene.width, scene.height)));
+    const int bits = across + bit_length(static_cast<uint128>(s.scale.raw)) + s.pixel_s.word;
+    const int up = s.position.fraction - (1 + s.scale.fraction + s.pixel_s.fraction);
+    s.places_fit_int64 = bits + std::max(up, 0) <= 61;
   } else {
     const auto size = [](double x) { return std::abs(x); };
     down = ceil_log2(size(*std::ranges::max_element(light.place, {}, size)));
   }
   for (std::size_t i = 0; i < 3; ++i) {
-    s.place[i] = value_of(quantize(scaled(exact_of(light.place[i]), down), s.position, watch), s.position);
+    s.place[i] = quantize(scaled(exact_of(light.place[i]), down), s.position, watch);
   }
-  if (!light.is_point) s.far_direction = of_length_1(s.root, s.place, s.direction, watch);
+  if (!light.is_point) {
+    s.far_direction =
+        text::of_length_1<int128, int128>(s.root, s.place, s.position.fraction, s.direction, watch);
+  }
   s.ambient = quantize(exact_of(light.ambient), s.value, watch);
   s.highlight = quantize(exact_of(light.specular), s.value, watch);
   s.diffuse =
@@ -162,13 +101,15 @@ LightStage prepare_light(const Config& config, const Constants& constants, const
 
 template <class Watch>
 std::int64_t light_at(const LightStage& stage, const Vertex& v, const Register& vertex, Watch watch) {
-  const auto at = [&](double w, const Register& r) { return value_of(quantize(exact_of(w), r, watch), r); };
-  const Exact s =
-      value_of(quantize(scaled(exact_of(v.s), stage.exponent), stage.vertex_s, watch), stage.vertex_s);
-  const auto direction =
-      direction_from(stage, at(v.x, stage.coordinate), at(v.y, stage.coordinate), s, watch);
+  const auto at = [&](double w) { return quantize(exact_of(w), stage.coordinate, watch); };
+  const std::int64_t s = quantize(scaled(exact_of(v.s), stage.exponent), stage.vertex_s, watch);
+  const std::int64_t x = at(v.x);
+  const std::int64_t y = at(v.y);
+  const auto direction = text::direction_from<int128, int128, int128>(stage, x, y, stage.coordinate.fraction,
+                                                                      s, stage.vertex_s.fraction, watch);
   const auto normal = [&](double w) { return quantize(exact_of(w), stage.given_normal, watch); };
-  const Shine shone = shine(stage, {normal(v.nx), normal(v.ny), normal(v.nz)}, direction, watch);
+  const auto shone =
+      text::shine<int128, int128>(stage, {normal(v.nx), normal(v.ny), normal(v.nz)}, direction, watch);
   return quantize(value_of(shone.value, stage.value), vertex, watch);
 }
 
@@ -180,10 +121,9 @@ void brighten(const LightStage& stage, const FragmentRecord& fragment, const Dis
   out.x = fragment.x;
   out.y = fragment.y;
   if (stage.at_pixels) {
-    const Exact half{1, 1};
-    const auto direction = direction_from(stage, Exact{fragment.x, 0} + half, Exact{fragment.y, 0} + half,
-                                          value_of(distance.s, stage.pixel_s), watch);
-    const Shine shone = shine(stage, channels.normal, direction, watch);
+    const auto direction = text::direction_from<int128, int128, int128>(
+        stage, 2 * fragment.x + 1, 2 * fragment.y + 1, 1, distance.s, stage.pixel_s.fraction, watch);
+    const auto shone = text::shine<int128, int128>(stage, channels.normal, direction, watch);
     out.nx = shone.normal[0];
     out.ny = shone.normal[1];
     out.nz = shone.normal[2];
@@ -203,7 +143,7 @@ template <class Watch>
 void light(const LightStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
            const LightChannels& channels, const TextureRecord& texture, LightRecord& out, Watch watch) {
   brighten(stage, fragment, distance, channels, out, watch);
-  const auto times = [&](std::int64_t c) { return HWY_NAMESPACE::lit<int128>(stage, c, out.value, watch); };
+  const auto times = [&](std::int64_t c) { return text::lit<int128>(stage, c, out.value, watch); };
   out.r = times(texture.r);
   out.g = times(texture.g);
   out.b = times(texture.b);

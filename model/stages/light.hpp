@@ -24,8 +24,9 @@ struct LightStage {
   Register coordinate, vertex_s, pixel_s;
   int exponent = 0;                                      // E: distances are divided by 2^E
   Exact scale;                                           // 1 / F
-  Exact middle_x, middle_y;                              // of the picture, in pixels
-  std::array<Exact, 3> place;                            // of a point, or the direction to what is far away
+  std::int64_t width = 0, height = 0;                    // of the picture
+  std::array<std::int64_t, 3> place{};                   // raw, light.position: of a point
+  bool places_fit_int64 = false;                         // of pixels: the products that they are rounded from
   std::array<std::int64_t, 3> far_direction{};           // of length 1
   std::int64_t ambient = 0, highlight = 0, diffuse = 0;  // their shares, raw, light.value
   int index_bits = 0;

@@ -302,12 +302,12 @@ TEST(Forms, TheSecondTexture) {
 
 // Compares the forms on scenes of random draw states, in random configurations. ask(random, seed, config):
 // what of the pipeline is on; put(random, seed, config, scene): what the scene has for it. Lanes hold many of
-// them.
+// them. Returns in how many of these lanes form a brightness per pixel.
 template <class Ask, class Put>
-void compare_with(const std::string& what, Ask ask, Put put) {
+int compare_with(const std::string& what, Ask ask, Put put) {
   const std::vector<Config> bases = shipped_configs();
   std::uint64_t written = 0;
-  int in_lanes = 0;
+  int in_lanes = 0, brightened = 0;
   for (std::uint64_t seed = 1; seed <= 120; ++seed) {
     Random random(seed);
     Config c = seed % 2 == 0 ? random_config(seed, bases) : bases[seed / 2 % bases.size()];
@@ -319,12 +319,15 @@ void compare_with(const std::string& what, Ask ask, Put put) {
     Scene scene = random_scene(seed, options);
     put(random, seed, c, scene);
     written += compare_forms(c, scene, what + " of seed " + std::to_string(seed));
-    if (testing::Test::HasFailure()) return;
+    if (testing::Test::HasFailure()) return 0;
     const Pipeline pipeline = make_pipeline(c, scene);
-    in_lanes += holds_state(prepare_shade(pipeline, c, scene), pipeline) ? 1 : 0;
+    const ShadePlan plan = prepare_shade(pipeline, c, scene);
+    in_lanes += holds_state(plan, pipeline) ? 1 : 0;
+    brightened += pipeline.light.at_pixels && holds_state(plan, pipeline) && plan.holds_brightness ? 1 : 0;
   }
   EXPECT_GT(written, 100000U);
   EXPECT_GT(in_lanes, 50);
+  return brightened;
 }
 
 // What the draw states of a projected texture and channels make of a scene: slides and shadow maps, of
@@ -350,7 +353,7 @@ TEST(Forms, Projections) {
       for (std::uint8_t& byte : texture.raw) byte = static_cast<std::uint8_t>(random.integer(0, 255));
     }
   };
-  compare_with("projections", ask, put);
+  EXPECT_EQ(compare_with("projections", ask, put), 0);
 }
 
 // A light at faces, vertices and pixels, parallel and at points, beside levels, a second texture and a
@@ -359,6 +362,16 @@ TEST(Forms, Lights) {
   const auto ask = [](Random& random, std::uint64_t seed, Config& c) {
     c.light = std::array{LightAt::face, LightAt::vertex, LightAt::pixel}[seed % 3];
     c.light_source = random.chance(0.5) ? LightSource::point : LightSource::parallel;
+    // The square of a normal's length is beyond 64 bits, or more is.
+    if (seed % 5 == 0) {
+      const int word = std::array{34, 38, 50}[seed / 5 % 3];
+      c.format(FormatId::normal_value) = {word, 4, true, Rounding::rnd, Overflow::sat, false};
+    }
+    // The exponent of a length reaches far down.
+    if (seed % 7 == 0) {
+      c.format(FormatId::light_position) = {31, 3, true, Rounding::trn, Overflow::sat, false};
+      c.format(FormatId::light_direction) = {28, 2, true, Rounding::rnd_conv, Overflow::sat, false};
+    }
     if (random.chance(0.3)) c.project = ProjectUnit::reciprocal;
     if (random.chance(0.3)) {
       c.lod = LodMode::gradient;
@@ -369,7 +382,8 @@ TEST(Forms, Lights) {
     if (has_project(c.project)) draw_projection(random, scene);
     draw_light(random, scene, has_points(c.light_source));
   };
-  compare_with("lights", ask, put);
+  // Some have registers or a root's unit of more bits, which lanes leave to the scalar stage.
+  EXPECT_GT(compare_with("lights", ask, put), 15);
 }
 
 // A second scene with other textures has levels of its own.
