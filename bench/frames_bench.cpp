@@ -29,7 +29,7 @@ constexpr Sampling trilinear{"trilinear", TextureFilter::bilinear, MipMode::line
 
 std::vector<Sampling> samplings_of(const std::string& scene) {
   if (scene.ends_with("-mip")) return {trilinear};
-  if (scene.ends_with("-blend") || scene.ends_with("-shadow")) return {bilinear};
+  if (scene.ends_with("-blend") || scene.ends_with("-shadow") || scene.ends_with("-phong")) return {bilinear};
   if (scene.starts_with("small")) return {nearest};
   return {nearest, bilinear};
 }
@@ -123,6 +123,10 @@ void bench_frames(const std::string& name, const Options& options, Report& repor
   const std::string title = is_cloud(name) || name == "demo" ? name : "mesh";
   Config depth16 = find_config("depth16");
   if (scene.projector) depth16.project = ProjectUnit::reciprocal;
+  if (scene.light) {
+    depth16.light = LightAt::pixel;
+    depth16.light_source = LightSource::point;
+  }
   const std::vector<Sampling> samplings = samplings_of(name);
   const bool with_nearest = samplings.front().name == nearest.name;
 

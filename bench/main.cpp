@@ -86,7 +86,7 @@ int run(int argc, char** argv) {
   app.add_option("--rounds", a.rounds, "samples of each (default 11, quick 3)")->check(CLI::Range(1, 1000));
   app.add_option("--only", a.options.only,
                  "sections: kernels, big, medium, small, big-back, medium-back, small-back, big-mip, "
-                 "big-blend, big-shadow, state, "
+                 "big-blend, big-shadow, big-phong, state, "
                  "demo or mesh, engines, interface")
       ->delimiter(',');
   app.add_option("--mesh", a.options.mesh, "draw this mesh in place of the embedded demo");
@@ -104,7 +104,7 @@ int run(int argc, char** argv) {
   a.options.kernel_time = a.quick ? 0.02 : 0.1;
   std::vector<std::string> sections{"kernels",   "big",         "medium",     "small",
                                     "big-back",  "medium-back", "small-back", "big-mip",
-                                    "big-blend", "big-shadow",  "state"};
+                                    "big-blend", "big-shadow",  "big-phong",  "state"};
   sections.push_back(a.options.mesh.empty() ? "demo" : "mesh");
   sections.insert(sections.end(), {"engines", "interface"});
   for (const std::string& name : a.options.only) {

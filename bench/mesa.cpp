@@ -10,6 +10,7 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 #include "bench/scenes.hpp"
 #include "model/mip_chain.hpp"
@@ -26,6 +27,11 @@ struct GlVertex {
   std::array<float, 4> in_lamp;  // homogeneous: the place in the shadow map, and the depth there
 };
 static_assert(sizeof(GlVertex) == 40);
+
+// What a light per pixel takes besides, in the viewer's space.
+struct GlLit {
+  std::array<float, 3> normal, place;
+};
 
 // Consecutive triangles with one texture.
 struct Batch {
@@ -47,17 +53,36 @@ double depth_in_lamp(const Projector& lamp, double w) {
   return (w / lamp.s_min - 1) / (1 / lamp.s_min - 1 / lamp.s_max);
 }
 
-// The picture in the light of the lamp: what is farther than the map has it is dark.
+// The picture in the light of the lamp: what is farther than the map has it is dark. LIT: and it is lit per
+// pixel.
 constexpr const char* vertex_shader =
-    "#version 120\n"
+    "#ifdef LIT\n"
+    "varying vec3 normal, place;\n"
+    "#endif\n"
     "void main() {\n"
+    "#ifdef LIT\n"
+    "  normal = gl_Normal;\n"
+    "  place = gl_MultiTexCoord2.xyz;\n"
+    "#endif\n"
     "  gl_Position = ftransform();\n"
     "  gl_FrontColor = gl_Color;\n"
     "  gl_TexCoord[0] = gl_MultiTexCoord0;\n"
     "  gl_TexCoord[1] = gl_MultiTexCoord1;\n"
     "}\n";
 constexpr const char* fragment_shader =
-    "#version 120\n"
+    "#ifdef LIT\n"
+    "varying vec3 normal, place;\n"
+    "uniform vec3 light, shares;\n"  // diffuse, highlight, ambient
+    "uniform float exponent;\n"
+    "float brightness() {\n"
+    "  vec3 n = normalize(normal), l = normalize(light - place);\n"
+    "  float c = dot(n, l), g = l.z - 2.0 * c * n.z;\n"
+    "  float highlight = c > 0.0 && g > 0.0 ? pow(min(g, 1.0), exponent) : 0.0;\n"
+    "  return dot(shares, vec3(max(c, 0.0), highlight, 1.0));\n"
+    "}\n"
+    "#else\n"
+    "float brightness() { return 1.0; }\n"
+    "#endif\n"
     "uniform sampler2D image;\n"
     "uniform sampler2DShadow map;\n"
     "uniform float dark;\n"
@@ -67,15 +92,16 @@ constexpr const char* fragment_shader =
     "  vec2 at = p.st / p.q;\n"
     "  bool inside = p.q > 0.0 && all(greaterThanEqual(at, vec2(0.0))) && all(lessThan(at, vec2(1.0)));\n"
     "  float lit = inside ? shadow2DProj(map, p).r : 1.0;\n"
-    "  gl_FragColor = vec4(color.rgb * mix(dark, 1.0, lit), color.a);\n"
+    "  gl_FragColor = vec4(color.rgb * mix(dark, 1.0, lit) * brightness(), color.a);\n"
     "}\n";
 
-GLuint shadow_program() {
+GLuint shadow_program(const std::optional<Light>& light) {
   const GLuint program = glCreateProgram();
   for (const auto& [kind, text] :
        {std::pair{GL_VERTEX_SHADER, vertex_shader}, {GL_FRAGMENT_SHADER, fragment_shader}}) {
     const GLuint shader = glCreateShader(static_cast<GLenum>(kind));
-    glShaderSource(shader, 1, &text, nullptr);
+    const std::array parts{light ? "#version 120\n#define LIT\n" : "#version 120\n", text};
+    glShaderSource(shader, parts.size(), parts.data(), nullptr);
     glCompileShader(shader);
     glAttachShader(program, shader);
   }
@@ -87,6 +113,15 @@ GLuint shadow_program() {
   glUniform1i(glGetUniformLocation(program, "image"), 0);
   glUniform1i(glGetUniformLocation(program, "map"), 1);
   glUniform1f(glGetUniformLocation(program, "dark"), static_cast<float>(shadow_dark));
+  if (light) {
+    const auto set = [&](const char* name, double x, double y, double z) {
+      glUniform3f(glGetUniformLocation(program, name), static_cast<float>(x), static_cast<float>(y),
+                  static_cast<float>(z));
+    };
+    set("light", light->place[0], light->place[1], light->place[2]);
+    set("shares", 1 - light->ambient - light->specular, light->specular, light->ambient);
+    glUniform1f(glGetUniformLocation(program, "exponent"), static_cast<float>(light->exponent));
+  }
   return program;
 }
 
@@ -101,6 +136,14 @@ GlVertex convert(const Vertex& v, const View& scene, const Texture* texture) {
     out.texel = {static_cast<float>(v.u / texture->width), static_cast<float>(v.v / texture->height)};
   }
   return out;
+}
+
+GlLit lit(const Vertex& v, const View& scene) {
+  const double per_pixel = v.s / scene.focal;
+  const auto real = [](double x) { return static_cast<float>(x); };
+  return {
+      {real(v.nx), real(v.ny), real(v.nz)},
+      {real((v.x - scene.width / 2.0) * per_pixel), real((v.y - scene.height / 2.0) * per_pixel), real(v.s)}};
 }
 
 // A place in the bound vertex buffer, as OpenGL takes it.
@@ -176,7 +219,7 @@ struct Mesa::State {
   std::vector<std::uint8_t> picture;
   std::vector<GLuint> textures;
   std::vector<Batch> batches;
-  GLuint buffer = 0;
+  GLuint buffer = 0, light_buffer = 0;
   // With a shadow map only.
   std::size_t lamp_batches = 0;  // the first ones, drawn on the map
   View lamp, view;
@@ -261,6 +304,22 @@ Mesa::Mesa(const Scene& scene, TextureFilter filter, int depth_bits, MipMode mip
   glEnableClientState(GL_COLOR_ARRAY);
   glEnableClientState(GL_TEXTURE_COORD_ARRAY);
 
+  if (scene.light) {
+    std::vector<GlLit> of_light;
+    for (const Triangle& t : scene.triangles) {
+      for (const Vertex& v : t.v) of_light.push_back(lit(v, s.view));
+    }
+    glGenBuffers(1, &s.light_buffer);
+    glBindBuffer(GL_ARRAY_BUFFER, s.light_buffer);
+    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(of_light.size() * sizeof(GlLit)), of_light.data(),
+                 GL_STATIC_DRAW);
+    glNormalPointer(GL_FLOAT, sizeof(GlLit), offset(offsetof(GlLit, normal)));
+    glEnableClientState(GL_NORMAL_ARRAY);
+    glClientActiveTexture(GL_TEXTURE2);
+    glTexCoordPointer(3, GL_FLOAT, sizeof(GlLit), offset(offsetof(GlLit, place)));
+    glEnableClientState(GL_TEXTURE_COORD_ARRAY);
+    glBindBuffer(GL_ARRAY_BUFFER, s.buffer);
+  }
   if (scene.projector) {
     glActiveTexture(GL_TEXTURE1);
     glClientActiveTexture(GL_TEXTURE1);
@@ -285,7 +344,7 @@ Mesa::Mesa(const Scene& scene, TextureFilter filter, int depth_bits, MipMode mip
     if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
       throw InputError("Mesa: no frame of a depth texture alone");
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
-    s.program = shadow_program();
+    s.program = shadow_program(scene.light);
   }
 
   glDisable(GL_CULL_FACE);

@@ -23,7 +23,7 @@ constexpr int frame_width = 1024;
 constexpr int frame_height = 768;
 constexpr int texture_size = 256;
 constexpr std::string_view back_suffix = "-back", mip_suffix = "-mip", blend_suffix = "-blend",
-                           shadow_suffix = "-shadow";
+                           shadow_suffix = "-shadow", phong_suffix = "-phong";
 constexpr double mip_texels = 4;    // per pixel
 constexpr double far_viewer = 1e6;  // focal length, pixels
 constexpr std::array<Cloud, 3> all_clouds{Cloud{"big", 200, 40000}, Cloud{"medium", 20000, 400},
@@ -57,12 +57,36 @@ Texture make_texture(double height, int noise) {
 // A code from 64 to 191, so that every triangle of the scene shows the ones behind it.
 double translucent_alpha(std::size_t index) { return static_cast<double>(64 + index * 37 % 128) / 255; }
 
+// Where a lamp stands, as the viewer sees.
+constexpr Vec3 lamp_place{-6, -9, -2};
+
+// Lit by the lamp per pixel. A face has one normal, towards the viewer: OpenGL 2.1 interpolates no other one
+// linearly in the picture.
+void light_by_lamp(Scene& scene) {
+  scene.light = Light{.is_point = true,
+                      .place = {lamp_place.x, lamp_place.y, lamp_place.z},
+                      .ambient = 0.2,
+                      .specular = 0.3,
+                      .exponent = 32};
+  for (Triangle& t : scene.triangles) {
+    const auto place = [&](const Vertex& v) {
+      const double per_pixel = v.s / scene.focal;
+      return Vec3{(v.x - scene.width / 2.0) * per_pixel, (v.y - scene.height / 2.0) * per_pixel, v.s};
+    };
+    const Vec3 first = place(t.v[0]);
+    Vec3 normal = of_length_1(cross(place(t.v[1]) - first, place(t.v[2]) - first));
+    if (dot(normal, first) > 0) normal = normal * -1;
+    for (Vertex& v : t.v) set_normal(v, normal);
+  }
+}
+
 // In the light of a lamp beside the viewer, who stands near enough to have a depth of the picture's size.
 // Without fog, whose distances differ there.
-Scene in_lamp_light(Scene scene) {
+Scene in_lamp_light(Scene scene, bool per_pixel) {
   scene.focal = scene.width;
   scene.fog.reset();
-  ShadowOptions lamp{.light = {-6, -9, -2}, .bias = 2, .dark = shadow_dark};
+  if (per_pixel) light_by_lamp(scene);
+  ShadowOptions lamp{.light = lamp_place, .bias = 2, .dark = shadow_dark};
   const std::vector<Face> casters = faces_of(scene);
   return shadowed(std::move(scene), casters, lamp);
 }
@@ -147,7 +171,8 @@ Triangle CloudStream::next() {
 Scene frame_scene(const std::string& name, const std::string& texture) {
   const bool mip = name.ends_with(mip_suffix);
   const bool blend = name.ends_with(blend_suffix);
-  const bool shadow = name.ends_with(shadow_suffix);
+  const bool phong = name.ends_with(phong_suffix);
+  const bool shadow = phong || name.ends_with(shadow_suffix);
   const bool back = name.ends_with(back_suffix) || blend;
   const std::string cloud_name = back || mip || shadow ? name.substr(0, name.rfind('-')) : name;
   for (const Cloud& cloud : all_clouds) {
@@ -168,7 +193,7 @@ Scene frame_scene(const std::string& name, const std::string& texture) {
         const auto distance = [](const Triangle& t) { return t.v[0].s + t.v[1].s + t.v[2].s; };
         std::ranges::stable_sort(scene.triangles, std::greater{}, distance);
       }
-      return shadow ? in_lamp_light(std::move(scene)) : scene;
+      return shadow ? in_lamp_light(std::move(scene), phong) : scene;
     }
   }
   if (name == "demo") {

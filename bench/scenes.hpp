@@ -48,8 +48,9 @@ inline constexpr double shadow_dark = 0.35;
 // depth test. `big-back` and so on have the same triangles from the farthest to the nearest, and nearly every
 // fragment passes. `big-mip` and so on have four texels per pixel on each axis, so that levels of the texture
 // count. `big-blend` and so on are translucent; they come from the farthest to the nearest. `big-shadow` and
-// so on are drawn in the light of a lamp, through a shadow map of 1024x1024 texels. `demo` is the embedded
-// scene. Any other name is a mesh file, in `texture` where one is named. Throws InputError.
+// so on are drawn in the light of a lamp, through a shadow map of 1024x1024 texels, and those of `big-phong`
+// are lit by it per pixel besides, as its faces stand. `demo` is the embedded scene. Any other name is a mesh
+// file, in `texture` where one is named. Throws InputError.
 Scene frame_scene(const std::string& name, const std::string& texture = {});
 
 }  // namespace bitspan::bench
