@@ -10,6 +10,7 @@
 #include "engine/drawn_scene.hpp"
 #include "golden/blend.hpp"
 #include "golden/compare.hpp"
+#include "golden/lod.hpp"
 #include "golden/mask.hpp"
 #include "golden/merge.hpp"
 #include "golden/mip_chain.hpp"

@@ -6,8 +6,6 @@
 namespace bitspan {
 namespace {
 
-constexpr int limb = 17;  // bits of a factor that a multiplier takes: rtl/mul_pipe.sv
-
 // How rtl/mul_pipe.sv cuts a factor: limbs, and up to 3 bits above them that add the other factor, beside a
 // top bit that stands alone.
 struct Cut {

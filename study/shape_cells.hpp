@@ -16,6 +16,8 @@ constexpr int bits_of(int n) {
   return static_cast<int>(std::bit_width(static_cast<unsigned>(std::max(0, n))));
 }
 
+constexpr int limb = 17;  // bits of a factor that a multiplier takes: rtl/mul_pipe.sv
+
 struct Product {
   bool b_top_alone = false;
   int low = 0, high = 0;  // bits at the ends of the product that nobody reads
