@@ -884,6 +884,13 @@ void under_lamp(Scene& scene) {
   scene.light->is_point = true;
 }
 
+// A light beyond the surfaces. What they mirror of it at a grazing angle must not show.
+void under_back_light(Scene& scene) {
+  under_light(scene);
+  scene.light->place[2] *= -6;
+  scene.light->exponent = 2;
+}
+
 void add_light(std::vector<SuiteFeature>& out) {
   using enum RecordType;
   struct Unit {
@@ -912,6 +919,7 @@ void add_light(std::vector<SuiteFeature>& out) {
     add(fmt::format("light_point.{}", name), fog, {.at = at, .source = point},
         {.at = LightAt::none, .source = point}, under_lamp);
   }
+  add("light_at.pixel_from_behind", fog, {}, {.at = LightAt::none}, under_back_light);
   add("light_at.vertex_not_pixel", fog, {.at = LightAt::vertex}, {}, under_light);
   add("light_table.coarse", light, {.index_bits = 2}, {}, under_light);
   add("light_root.no_step", light, {.steps = 0}, {}, under_light);
@@ -954,13 +962,20 @@ void add_translucency(std::vector<SuiteFeature>& out) {
     out.push_back(in({std::string(name), stage, SuiteNeeds::effect, with(2), with(0)}, textures));
   };
   const auto as_drawn = [](Config&) {};
-  const Register opaque{"translucency.pass", number(TranslucencyPass::opaque)};
-  out.push_back(in(
-      {"translucency_pass.opaque", RecordType::texture, SuiteNeeds::effect, in_state({opaque}), in_state({})},
-      texture));
+  for (const TranslucencyPass pass : {TranslucencyPass::opaque, TranslucencyPass::candidate}) {
+    const Register only{"translucency.pass", number(pass)};
+    out.push_back(in({fmt::format("translucency_pass.{}", to_string(pass)), RecordType::texture,
+                      SuiteNeeds::effect, in_state({only}), in_state({})},
+                     texture));
+  }
   for (const DepthCode code : all_of<DepthCode>()) {
     add(fmt::format("translucency.{}", to_string(code)), RecordType::candidate,
-        [=](Config& c) { c.depth_code = code; }, {});
+        [=](Config& c) {
+          c.depth_code = code;
+          // Few codes of z, so that fragments tie in z and differ in dz.
+          if (has_dz(code)) c.depth_bits = dz_bits + float_dz_exponent_bits + 3;
+        },
+        {});
   }
   const Register late{"depth.when", number(DepthWhen::late)};
   add("translucency_state.late", RecordType::candidate, as_drawn, {late});
