@@ -256,10 +256,9 @@ OracleWords ask_oracles(const ExplainArguments& o, std::span<const Oracle* const
       continue;
     }
     if (by_layers) {
-      std::vector<golden::Layer> layers = golden::make_abuffer(config, *layered).pixels.at(at);
-      golden::sort_layers(config, layers);
-      tell(*oracle, "", layer_findings(config, *layered, frame, engine).at(at));
-      for (std::string& line : layers_text(config, layers)) out.lines.push_back(std::move(line));
+      golden::ABuffer lists = golden::make_abuffer(config, *layered);
+      tell(*oracle, "", layer_findings(config, *layered, lists, frame, engine).at(at));
+      for (std::string& line : layers_text(config, lists.pixels.at(at))) out.lines.push_back(std::move(line));
       continue;
     }
     const std::vector<Visible> picture = visibility->picture(*oracle);

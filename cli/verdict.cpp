@@ -169,8 +169,9 @@ void compare_oracles(const VerifyOptions& options, const Scene& scene, const Eng
       if (const std::string why = layer_refusal(v.config, *layered); !why.empty()) {
         leave_out(why);
       } else {
+        golden::ABuffer lists = golden::make_abuffer(v.config, *layered);
         v.oracles.push_back(layer_report(*oracle, frame, engine.name(),
-                                         layer_findings(v.config, *layered, frame, engine.name())));
+                                         layer_findings(v.config, *layered, lists, frame, engine.name())));
       }
       continue;
     }

@@ -10,6 +10,7 @@
 #include "golden/packed_depth.hpp"
 #include "golden/quantize.hpp"
 #include "golden/surface.hpp"
+#include "scene/plan.hpp"
 
 namespace bitspan::golden {
 namespace {
@@ -58,8 +59,7 @@ ABuffer make_abuffer(const Config& config, const Scene& scene) {
     engine->execute(command, 0, nullptr);
   }
   // Nothing hides anything.
-  StateChange all;
-  all.settings = {{*find_state_register("depth.func"), static_cast<std::int64_t>(DepthFunc::always)}};
+  const StateChange all{.settings = {state_setting("depth.func", DepthFunc::always)}};
   engine->execute({.what = all}, 0, nullptr);
   ABuffer out{scene.width, scene.height, {}};
   out.pixels.resize(static_cast<std::size_t>(scene.width) * static_cast<std::size_t>(scene.height));

@@ -71,9 +71,8 @@ std::string layer_refusal(const Config& config, const Scene& picture) {
   return "";
 }
 
-std::vector<PixelFinding> layer_findings(const Config& config, const Scene& picture, const Frame& frame,
-                                         std::string_view engine) {
-  golden::ABuffer lists = golden::make_abuffer(config, picture);
+std::vector<PixelFinding> layer_findings(const Config& config, const Scene& picture, golden::ABuffer& lists,
+                                         const Frame& frame, std::string_view engine) {
   std::vector<PixelFinding> out;
   for (std::size_t i = 0; i < lists.pixels.size(); ++i) {
     std::vector<golden::Layer>& layers = lists.pixels[i];
@@ -96,12 +95,7 @@ std::vector<PixelFinding> layer_findings(const Config& config, const Scene& pict
 
 VisibilityReport layer_report(const Oracle& oracle, const Frame& frame, std::string_view engine,
                               std::vector<PixelFinding> findings) {
-  VisibilityReport out;
-  out.oracle = oracle.name;
-  out.engine = engine;
-  out.is_truth = oracle.is_truth;
-  out.width = frame.width;
-  out.height = frame.height;
+  VisibilityReport out = report_on(oracle, frame, engine);
   out.ties_as = "of layers with one depth code";
   for (PixelFinding& found : findings) out.add(std::move(found));
   return out;

@@ -23,10 +23,10 @@ std::optional<Scene> layered_picture_of(const Scene& scene);
 // Why the lists do not judge a scene without its passes: a line that names the register. Empty where they do.
 std::string layer_refusal(const Config& config, const Scene& picture);
 
-// What the lists find of each pixel of an engine that has drawn the passes. A pixel is a tie where two of its
-// layers have one depth code; else its colour is equal, or unexplained.
-std::vector<PixelFinding> layer_findings(const Config& config, const Scene& picture, const Frame& frame,
-                                         std::string_view engine);
+// What the lists, which become sorted, find of each pixel of an engine that has drawn the passes. A pixel is
+// a tie where two of its layers have one depth code; else its colour is equal, or unexplained.
+std::vector<PixelFinding> layer_findings(const Config& config, const Scene& picture, golden::ABuffer& lists,
+                                         const Frame& frame, std::string_view engine);
 VisibilityReport layer_report(const Oracle& oracle, const Frame& frame, std::string_view engine,
                               std::vector<PixelFinding> findings);
 

@@ -333,14 +333,19 @@ PixelFinding Visibility::at(const Oracle& oracle, std::span<const Visible> pictu
   return judge(oracle, picture[i], frame, engine, x, y);
 }
 
-VisibilityReport Visibility::compare(const Oracle& oracle, std::span<const Visible> picture,
-                                     const Frame& frame, std::string_view engine) const {
+VisibilityReport report_on(const Oracle& oracle, const Frame& frame, std::string_view engine) {
   VisibilityReport out;
   out.oracle = oracle.name;
   out.engine = engine;
   out.is_truth = oracle.is_truth;
   out.width = frame.width;
   out.height = frame.height;
+  return out;
+}
+
+VisibilityReport Visibility::compare(const Oracle& oracle, std::span<const Visible> picture,
+                                     const Frame& frame, std::string_view engine) const {
+  VisibilityReport out = report_on(oracle, frame, engine);
   if (picture.size() != frame.triangle.size()) {
     throw std::invalid_argument("Visibility: the engine and the oracle have pictures of two sizes");
   }

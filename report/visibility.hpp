@@ -52,6 +52,8 @@ struct VisibilityReport {
   void add(PixelFinding found);
   bool held() const { return !is_truth || unexplained == 0; }
 };
+// Of an oracle and the engine that drew the frame, with no pixel yet.
+VisibilityReport report_on(const Oracle& oracle, const Frame& frame, std::string_view engine);
 std::string pixel_text(const PixelFinding& found);
 // "half_planes against golden: 812 pixels equal, 3 ties that the bounds predict, 0 unexplained".
 std::string visibility_text(const VisibilityReport& report);
