@@ -139,6 +139,7 @@ int emit(const ConfigArguments& options) {
   const RtlChoice choice{.interpolator = both || options.part.empty() || options.part == "interpolator",
                          .pixels = both || options.part == "pixels",
                          .project = options.part == "project",
+                         .light = options.part == "light",
                          .when = options.when,
                          .prefix = options.prefix};
   const Config config = find_config(options.config);
@@ -178,9 +179,9 @@ void add_config(CLI::App& app, Action& action) {
           options, action, emit);
   sv->add_option(
         "--part", options->part,
-        "span interpolator, pixel stages or both (default: interpolator; with --rtl both); or the unit of "
-        "project.unit")
-      ->check(CLI::IsMember({"interpolator", "pixels", "both", "project"}));
+        "span interpolator, pixel stages or both (default: interpolator; with --rtl both); or a module of "
+        "its own: project (of project.unit) or light (of light.at = pixel)")
+      ->check(CLI::IsMember({"interpolator", "pixels", "both", "project", "light"}));
   sv->add_option_function<std::string>(
         "--depth-when",
         [options](const std::string& when) {

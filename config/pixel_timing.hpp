@@ -70,6 +70,28 @@ struct ProjectTiming {
   int clocks = 0;         // from acceptance to the skid at the output
   int total = 0;          // acceptance to out_valid_o
 };
+// rtl/unit_vector.sv, and rtl/root.sv in it.
+struct VectorTiming {
+  int square = 1;   // of a part
+  int root = 0;     // latency of RS
+  int product = 1;  // of a part and m
+  int clocks = 0;
+};
+// rtl/light.sv.
+struct LightTiming {
+  int root_product = 1;  // of a Newton step
+  VectorTiming normal, direction;
+  int across_product = 1;    // of x and k
+  int place_product = 1;     // of that and s
+  int cosine_product = 1;    // of N' and L
+  int mirrored_product = 1;  // of c and N'
+  int specular_product = 1;  // of the rise of an interval and the place in it
+  int diffuse_product = 1;   // of kd and c
+  int share_product = 1;     // of ks and the highlight
+  int lit_product = 1;       // of a colour and V
+  int clocks = 0;            // from acceptance to the skid at the output
+  int total = 0;             // acceptance to out_valid_o
+};
 struct PixelTiming {
   int in_flight = 0;     // fragments that a stage holds while a memory answers
   int place_bits = 10;   // a scoreboard has 2^place_bits places: many times the fragments in flight
@@ -97,5 +119,7 @@ PixelTiming pixel_timing(const Config& config);
 Grid project_operand(const Config& config);
 // Throws InputError where R_pixel, whose keys R_project has, is not pipelined.
 ProjectTiming project_timing(const Config& config);
+// Of a configuration whose light is per pixel.
+LightTiming light_timing(const Config& config);
 
 }  // namespace bitspan

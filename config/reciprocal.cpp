@@ -36,6 +36,28 @@ std::vector<std::int64_t> reciprocal_table(const Reciprocal& unit) {
   return table;
 }
 
+std::vector<std::int64_t> root_table(const RootUnit& unit) {
+  std::vector<std::int64_t> out;
+  const std::int64_t entries = std::int64_t{1} << unit.index_bits;
+  for (int octave = 0; octave < 2; ++octave) {
+    for (std::int64_t j = 0; j < entries; ++j) {
+      // 2^table_bits / sqrt(x 2^-(index_bits + 1)), of the interval's middle; twice that, squared, and its
+      // root.
+      const std::int64_t x = (2 * (entries + j) + 1) << octave;
+      const unsigned __int128 square =
+          (static_cast<unsigned __int128>(1) << (2 * unit.table_bits + 2 + unit.index_bits + 1)) /
+          static_cast<std::uint64_t>(x);
+      unsigned __int128 twice = 0;
+      for (int bit = unit.table_bits + 2; bit >= 0; --bit) {
+        const unsigned __int128 more = twice | static_cast<unsigned __int128>(1) << bit;
+        if (more * more <= square) twice = more;
+      }
+      out.push_back(static_cast<std::int64_t>((twice + 1) / 2));
+    }
+  }
+  return out;
+}
+
 ReciprocalParts parts_of(const Reciprocal& unit) {
   const Grid nq{1, unit.operand_bits, false};
   const Grid entry{1, unit.table_bits, false};

@@ -16,6 +16,9 @@ namespace bitspan {
 // enumerate them; empty for restoring.
 std::vector<std::int64_t> reciprocal_table(const Reciprocal& unit);
 
+// The same of RS: n in [1, 2), then n in [2, 4).
+std::vector<std::int64_t> root_table(const RootUnit& unit);
+
 struct ReciprocalParts {
   struct Held {
     std::string_view name;

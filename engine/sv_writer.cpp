@@ -45,19 +45,30 @@ void SvWriter::reciprocal(const std::string& name, const Reciprocal& unit, Grid 
   const Exponents exponents = exponents_of(unit, operand);
   integer(name + "EMin", exponents.low);
   integer(name + "EMax", exponents.high);
-  const std::vector<std::int64_t> table = reciprocal_table(unit);
-  const int entries = std::max<int>(1, static_cast<int>(table.size()));
-  const int bits = unit.table_bits + 1;
-  integer(name + "TableEntries", entries);
-  line("  localparam logic [" + std::to_string(entries * bits - 1) + ":0] " + name + "Table =");
-  if (table.empty()) {
+  const std::vector<std::int64_t> entries = reciprocal_table(unit);
+  integer(name + "TableEntries", std::max<int>(1, static_cast<int>(entries.size())));
+  table(name, entries, unit.table_bits + 1);
+}
+
+void SvWriter::root(const std::string& name, const RootUnit& unit) {
+  integer(name + "OperandBits", unit.operand_bits);
+  integer(name + "IndexBits", unit.index_bits);
+  integer(name + "TableBits", unit.table_bits);
+  integer(name + "InternalBits", unit.internal_bits);
+  integer(name + "Steps", unit.steps);
+  table(name, root_table(unit), unit.table_bits + 1);
+}
+
+void SvWriter::table(const std::string& name, const std::vector<std::int64_t>& entries, int bits) {
+  const int count = std::max<int>(1, static_cast<int>(entries.size()));
+  line("  localparam logic [" + std::to_string(count * bits - 1) + ":0] " + name + "Table =");
+  if (entries.empty()) {
     line("      " + std::to_string(bits) + "'d0;");
     return;
   }
-  // Entry 0 in the low bits.
   std::string row = "      {";
-  for (std::size_t i = table.size(); i-- > 0;) {
-    row += std::to_string(bits) + "'d" + std::to_string(table[i]) + (i == 0 ? "};" : ",");
+  for (std::size_t i = entries.size(); i-- > 0;) {
+    row += std::to_string(bits) + "'d" + std::to_string(entries[i]) + (i == 0 ? "};" : ",");
     if (row.size() > 96) {
       line(row);
       row = "       ";

@@ -5,6 +5,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "config/config.hpp"
 #include "config/grid.hpp"
@@ -32,6 +33,12 @@ struct SvWriter {
   void format(const std::string& name, const Format& f);
   // The parameters of rtl/reciprocal.sv, NAME in front of each.
   void reciprocal(const std::string& name, const Reciprocal& unit, Grid operand);
+  // The same of rtl/root.sv.
+  void root(const std::string& name, const RootUnit& unit);
+
+ private:
+  // NAMETable, entry 0 in the low bits, each of so many.
+  void table(const std::string& name, const std::vector<std::int64_t>& entries, int bits);
 };
 
 // Whether an operand fits the ports of rtl/reciprocal.sv.

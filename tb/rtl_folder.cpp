@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/emit_light_sv.hpp"
 #include "engine/emit_pixel_sv.hpp"
 #include "engine/emit_project_sv.hpp"
 #include "engine/emit_sv.hpp"
@@ -24,6 +25,7 @@ std::vector<std::string> package_texts(const Config& config, const RtlChoice& ch
   if (choice.interpolator) texts.push_back(emit_sv(config));
   if (choice.pixels) texts.push_back(emit_pixel_sv(config, choice.when));
   if (choice.project) texts.push_back(emit_project_sv(config));
+  if (choice.light) texts.push_back(emit_light_sv(config));
   return texts;
 }
 
@@ -38,6 +40,7 @@ std::vector<fs::path> sources_of(const RtlChoice& choice) {
   if (choice.interpolator) add(rtl_sources());
   if (choice.pixels) add(pixel_sources());
   if (choice.project) add(project_sources());
+  if (choice.light) add(light_sources());
   return sources;
 }
 

@@ -302,6 +302,7 @@ TEST_F(Cli, EmitSvPrefixesAndWritesTheRtl) {
   }
   refused("config emit-sv --part all", "all");
   refused("config emit-sv --part project", "project.unit is none; the RTL of project needs reciprocal");
+  refused("config emit-sv --part light", "light.at is none; the RTL of light needs pixel");
   refused("config emit-sv --part pixels --depth-when never", "never");
   refused("config emit-sv --rtl c -o d", "excludes");
   refused("config emit-sv --rtl ''", "--rtl");
@@ -509,6 +510,11 @@ TEST_F(Cli, AMeshHasALight) {
     EXPECT_EQ(folder.read("a.png"), folder.read("b.png")) << rest;
   }
   EXPECT_EQ(run("verify " + spot + " --config p.toml --light=3,5,-4 --engines golden,model,systemc").code, 0);
+  // The unit in RTL.
+  const Result unit = run("config emit-sv c.toml --part light --rtl unit --prefix near_");
+  EXPECT_EQ(unit.code, 0) << unit.err;
+  EXPECT_NE(folder.read("unit/near_bitspan.f").find("near_light.sv"), std::string::npos);
+  EXPECT_NE(folder.read("unit/near_light.sv").find("near_bitspan_light_pkg::"), std::string::npos);
   refused("render " + spot + " --light 1,2 -o x.png", "--light: ");
   refused("render " + spot + " --light=1,2,3,0.5,0.6,8 -o x.png", "--light.specular: is not legal");
   refused("render " + spot + " --light=1,2,3,0.5,0.1,8.5 -o x.png", "--light: the exponent 8.5 is not legal");

@@ -1,0 +1,14 @@
+quantize_far.sv
+quantize.sv
+delay_line.sv
+ring_line.sv
+skid.sv
+mul_pipe.sv
+shift_add.sv
+multiply_round.sv
+lzc.sv
+lzc_norm.sv
+shift_stage.sv
+root.sv
+unit_vector.sv
+light.sv

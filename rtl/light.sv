@@ -1,0 +1,698 @@
+// SPDX-License-Identifier: Apache-2.0
+// light of docs/numeric-spec.md, per pixel: the normal of a fragment and where it is in, its brightness and its colour
+// times it out; one per clock.
+//
+//   x, y, s --> place --> place_0 - place --> unit_vector --> L --+
+//   n ----------------------------------> unit_vector --> N' -----+--> c = N'.L --> g = L_z - 2 c N'_z --+
+//                                                                                                       |
+//   r, g, b ----------------------------------------------+                                              |
+//   out <-- skid <-- r V <--------------------------------+-- V = kd c + ks spec + ka <-- spec <-- table +
+//
+// The stage shifts as one on the ready of the skid at its end, which is a register. Without LightHasPoint lights are far
+// away, and there is no place.
+module light #(
+    parameter int RestW = 32
+) (
+    input  logic clk_i,
+    input  logic rst_ni,
+    // Writes an entry of the highlight's table, 0 .. 2^index_bits. Fragments in flight must not need it.
+    input  logic load_i,
+    input  logic [bitspan_light_pkg::LightIndexBits:0] load_place_i,
+    input  logic [bitspan_light_pkg::LightSpecularW-1:0] load_data_i,
+    // The view's light; stable while fragments are in flight. A point: where it stands, the picture's size, and the
+    // scale, which is divided by 2^scale_e_i. Else the direction, of length 1.
+    input  logic point_i,
+    input  logic [bitspan_light_pkg::LightPositionW-1:0] place_x_i,
+    input  logic [bitspan_light_pkg::LightPositionW-1:0] place_y_i,
+    input  logic [bitspan_light_pkg::LightPositionW-1:0] place_z_i,
+    input  logic [bitspan_light_pkg::LightScaleW-1:0] scale_i,
+    input  logic signed [bitspan_light_pkg::ScaleExponentW-1:0] scale_e_i,
+    input  logic [bitspan_light_pkg::CoordW-1:0] width_i,
+    input  logic [bitspan_light_pkg::CoordW-1:0] height_i,
+    input  logic [bitspan_light_pkg::LightDirectionW-1:0] far_x_i,
+    input  logic [bitspan_light_pkg::LightDirectionW-1:0] far_y_i,
+    input  logic [bitspan_light_pkg::LightDirectionW-1:0] far_z_i,
+    input  logic [bitspan_light_pkg::LightValueW-1:0] diffuse_i,
+    input  logic [bitspan_light_pkg::LightValueW-1:0] highlight_i,
+    input  logic [bitspan_light_pkg::LightValueW-1:0] ambient_i,
+    // The fragment; what else it brings comes out beside it.
+    input  logic in_valid_i,
+    output logic in_ready_o,
+    input  logic [bitspan_light_pkg::CoordW-1:0] in_x_i,
+    input  logic [bitspan_light_pkg::CoordW-1:0] in_y_i,
+    input  logic [bitspan_light_pkg::DistanceSW-1:0] in_s_i,
+    input  logic [bitspan_light_pkg::NormalValueW-1:0] in_nx_i,
+    input  logic [bitspan_light_pkg::NormalValueW-1:0] in_ny_i,
+    input  logic [bitspan_light_pkg::NormalValueW-1:0] in_nz_i,
+    input  logic [bitspan_light_pkg::TextureColorW-1:0] in_r_i,
+    input  logic [bitspan_light_pkg::TextureColorW-1:0] in_g_i,
+    input  logic [bitspan_light_pkg::TextureColorW-1:0] in_b_i,
+    input  logic [RestW-1:0] in_rest_i,
+    // The record of docs/numeric-spec.md.
+    output logic out_valid_o,
+    input  logic out_ready_i,
+    output logic [bitspan_light_pkg::LightNormalW-1:0] out_nx_o,
+    output logic [bitspan_light_pkg::LightNormalW-1:0] out_ny_o,
+    output logic [bitspan_light_pkg::LightNormalW-1:0] out_nz_o,
+    output logic [bitspan_light_pkg::LightDirectionW-1:0] out_lx_o,
+    output logic [bitspan_light_pkg::LightDirectionW-1:0] out_ly_o,
+    output logic [bitspan_light_pkg::LightDirectionW-1:0] out_lz_o,
+    output logic [bitspan_light_pkg::LightCosineW-1:0] out_cosine_o,
+    output logic [bitspan_light_pkg::LightCosineW-1:0] out_mirrored_o,
+    output logic [bitspan_light_pkg::LightSpecularW-1:0] out_specular_o,
+    output logic [bitspan_light_pkg::LightValueW-1:0] out_value_o,
+    output logic [bitspan_light_pkg::TextureColorW-1:0] out_r_o,
+    output logic [bitspan_light_pkg::TextureColorW-1:0] out_g_o,
+    output logic [bitspan_light_pkg::TextureColorW-1:0] out_b_o,
+    output logic [RestW-1:0] out_rest_o
+);
+  localparam int CoordW = bitspan_light_pkg::CoordW;
+  localparam int SW = bitspan_light_pkg::DistanceSW;
+  localparam int PositionW = bitspan_light_pkg::LightPositionW;
+  localparam int PositionFrac = bitspan_light_pkg::LightPositionFrac;
+  localparam int ValueInW = bitspan_light_pkg::NormalValueW;
+  localparam int NormalW = bitspan_light_pkg::LightNormalW;
+  localparam int DirectionW = bitspan_light_pkg::LightDirectionW;
+  localparam int CosineW = bitspan_light_pkg::LightCosineW;
+  localparam int CosineFrac = bitspan_light_pkg::LightCosineFrac;
+  localparam int SpecularW = bitspan_light_pkg::LightSpecularW;
+  localparam int SpecularFrac = bitspan_light_pkg::LightSpecularFrac;
+  localparam int ValueW = bitspan_light_pkg::LightValueW;
+  localparam int ValueFrac = bitspan_light_pkg::LightValueFrac;
+  localparam int ColorW = bitspan_light_pkg::TextureColorW;
+  localparam int IndexBits = bitspan_light_pkg::LightIndexBits;
+  localparam bit HasPoint = bitspan_light_pkg::LightHasPoint != 0;
+
+  // Clocks after acceptance at which a value is in its register.
+  localparam int PlaceAt = 1 + bitspan_light_pkg::AcrossProductClocks + bitspan_light_pkg::PlaceProductClocks + 4;
+  localparam int DirectionAt = HasPoint ? PlaceAt + 1 + bitspan_light_pkg::DirectionClocks : 0;
+  localparam int NormalAt = bitspan_light_pkg::NormalClocks;
+  localparam int JoinAt = (DirectionAt > NormalAt) ? DirectionAt : NormalAt;
+  localparam int CosineAt = JoinAt + bitspan_light_pkg::CosineProductClocks + 2;
+  localparam int MirroredAt = CosineAt + bitspan_light_pkg::MirroredProductClocks + 4;
+  localparam int EntryAt = MirroredAt + 4;
+  localparam int SpecularAt = EntryAt + bitspan_light_pkg::SpecularProductClocks + 4 + 1;
+  localparam int ValueAt = SpecularAt + bitspan_light_pkg::ShareProductClocks + 4;
+  localparam int Clocks = ValueAt + bitspan_light_pkg::LitProductClocks + 4;
+
+  logic en;
+  assign en = in_ready_o;
+
+  // ---------------------------------------------------------------- the direction to the light
+
+  logic [3*DirectionW-1:0] direction, far;
+  assign far = {far_z_i, far_y_i, far_x_i};
+  if (HasPoint) begin : gen_point
+    localparam int ScaleW = bitspan_light_pkg::LightScaleW;
+    localparam int ScaleSigned = bitspan_light_pkg::LightScaleSigned;
+    localparam int AcrossW = CoordW + 2 + ScaleW;
+    localparam int PartW = PositionW + 2;
+    logic [CoordW-1:0] at[2], size[2];
+    logic [PositionW-1:0] here[3];
+    assign at[0] = in_x_i;
+    assign at[1] = in_y_i;
+    assign size[0] = width_i;
+    assign size[1] = height_i;
+    logic [SW-1:0] s;
+    ring_line #(
+        .Width(SW),
+        .Depth(1 + bitspan_light_pkg::AcrossProductClocks)
+    ) u_s_line (
+        .clk_i,
+        .rst_ni,
+        .en_i(en),
+        .d_i(in_s_i),
+        .q_o(s)
+    );
+    for (genvar axis = 0; axis < 2; axis++) begin : gen_across
+      // In halves of a pixel, from the picture's middle.
+      logic signed [CoordW+1:0] from_middle_q;
+      logic [AcrossW-1:0] across;
+      logic [PositionW-1:0] place;
+      always_ff @(posedge clk_i) begin
+        if (en) from_middle_q <= $signed({1'b0, at[axis], 1'b1}) - $signed({2'b00, size[axis]});
+      end
+      mul_pipe #(
+          .AW(CoordW + 2),
+          .BW(ScaleW),
+          .BSigned(ScaleSigned),
+          .Clocks(bitspan_light_pkg::AcrossProductClocks)
+      ) u_across (
+          .clk_i,
+          .en_i(en),
+          .a_i(from_middle_q),
+          .b_i(scale_i),
+          .p_o(across)
+      );
+      multiply_round #(
+          .AW(AcrossW),
+          .AFrac(1 + bitspan_light_pkg::LightScaleFrac),
+          .BW(SW),
+          .BFrac(bitspan_light_pkg::DistanceSFrac),
+          .BSigned(bitspan_light_pkg::DistanceSSigned),
+          .EW(bitspan_light_pkg::ScaleExponentW),
+          .EMin(bitspan_light_pkg::ScaleExponentMin),
+          .EMax(bitspan_light_pkg::ScaleExponentMax),
+          .OutW(PositionW),
+          .OutFrac(PositionFrac),
+          .OutSigned(bitspan_light_pkg::LightPositionSigned),
+          .OutRnd(bitspan_light_pkg::LightPositionRnd),
+          .OutOvf(bitspan_light_pkg::LightPositionOvf),
+          .ProductClocks(bitspan_light_pkg::PlaceProductClocks)
+      ) u_place (
+          .clk_i,
+          .en_i(en),
+          .a_i(across),
+          .b_i(s),
+          .c_i(1'sd0),
+          .e_i(scale_e_i),
+          .q_o(place)
+      );
+      assign here[axis] = place;
+    end
+    logic [PositionW-1:0] depth, depth_q, depth_line;
+    quantize #(
+        .InW(SW + 1),
+        .InFrac(bitspan_light_pkg::DistanceSFrac),
+        .OutW(PositionW),
+        .OutFrac(PositionFrac),
+        .OutSigned(bitspan_light_pkg::LightPositionSigned),
+        .Rounding(bitspan_light_pkg::LightPositionRnd),
+        .Overflow(bitspan_light_pkg::LightPositionOvf)
+    ) u_depth (
+        .x_i({(bitspan_light_pkg::DistanceSSigned != 0) & in_s_i[SW-1], in_s_i}),
+        .sticky_i(1'b0),
+        .q_o(depth)
+    );
+    always_ff @(posedge clk_i) begin
+      if (en) depth_q <= depth;
+    end
+    ring_line #(
+        .Width(PositionW),
+        .Depth(PlaceAt - 1)
+    ) u_depth_line (
+        .clk_i,
+        .rst_ni,
+        .en_i(en),
+        .d_i(depth_q),
+        .q_o(depth_line)
+    );
+    assign here[2] = depth_line;
+    logic [3*PartW-1:0] from_here;
+    logic [PositionW-1:0] light_at[3];
+    assign light_at[0] = place_x_i;
+    assign light_at[1] = place_y_i;
+    assign light_at[2] = place_z_i;
+    for (genvar axis = 0; axis < 3; axis++) begin : gen_part
+      logic signed [PartW-1:0] to, from;
+      logic signed [PartW-1:0] part_q;
+      assign to =
+          PartW'($signed({(bitspan_light_pkg::LightPositionSigned != 0) & light_at[axis][PositionW-1], light_at[axis]}));
+      assign from =
+          PartW'($signed({(bitspan_light_pkg::LightPositionSigned != 0) & here[axis][PositionW-1], here[axis]}));
+      always_ff @(posedge clk_i) begin
+        if (en) part_q <= to - from;
+      end
+      assign from_here[axis*PartW+:PartW] = part_q;
+    end
+    logic [3*DirectionW-1:0] made;
+    unit_vector #(
+        .XW(PartW),
+        .XFrac(PositionFrac),
+        .OutW(DirectionW),
+        .OutFrac(bitspan_light_pkg::LightDirectionFrac),
+        .OutSigned(bitspan_light_pkg::LightDirectionSigned),
+        .OutRnd(bitspan_light_pkg::LightDirectionRnd),
+        .OutOvf(bitspan_light_pkg::LightDirectionOvf),
+        .SquareClocks(bitspan_light_pkg::DirectionSquareClocks),
+        .RootClocks(bitspan_light_pkg::DirectionRootClocks),
+        .ScaleProductClocks(bitspan_light_pkg::DirectionProductClocks),
+        .Clocks(bitspan_light_pkg::DirectionClocks)
+    ) u_direction (
+        .clk_i,
+        .rst_ni,
+        .en_i(en),
+        .x_i(from_here),
+        .unit_o(made)
+    );
+    logic [3*DirectionW-1:0] of_point;
+    ring_line #(
+        .Width(3 * DirectionW),
+        .Depth(JoinAt - DirectionAt)
+    ) u_direction_line (
+        .clk_i,
+        .rst_ni,
+        .en_i(en),
+        .d_i(made),
+        .q_o(of_point)
+    );
+    assign direction = point_i ? of_point : far;
+  end else begin : gen_far
+    assign direction = far;
+    logic unused;
+    assign unused = ^{point_i, place_x_i, place_y_i, place_z_i, scale_i, scale_e_i, width_i, height_i, in_x_i, in_y_i, in_s_i};
+  end
+
+  // ---------------------------------------------------------------- the normal
+
+  localparam bit NormalSigned = bitspan_light_pkg::NormalValueSigned != 0;
+  logic [3*(ValueInW+1)-1:0] normal_in;
+  assign normal_in = {
+    NormalSigned & in_nz_i[ValueInW-1],
+    in_nz_i,
+    NormalSigned & in_ny_i[ValueInW-1],
+    in_ny_i,
+    NormalSigned & in_nx_i[ValueInW-1],
+    in_nx_i
+  };
+  logic [3*NormalW-1:0] normal, normal_made;
+  unit_vector #(
+      .XW(ValueInW + 1),
+      .XFrac(bitspan_light_pkg::NormalValueFrac),
+      .OutW(NormalW),
+      .OutFrac(bitspan_light_pkg::LightNormalFrac),
+      .OutSigned(bitspan_light_pkg::LightNormalSigned),
+      .OutRnd(bitspan_light_pkg::LightNormalRnd),
+      .OutOvf(bitspan_light_pkg::LightNormalOvf),
+      .SquareClocks(bitspan_light_pkg::NormalSquareClocks),
+      .RootClocks(bitspan_light_pkg::NormalRootClocks),
+      .ScaleProductClocks(bitspan_light_pkg::NormalProductClocks),
+      .Clocks(bitspan_light_pkg::NormalClocks)
+  ) u_normal (
+      .clk_i,
+      .rst_ni,
+      .en_i(en),
+      .x_i(normal_in),
+      .unit_o(normal_made)
+  );
+  ring_line #(
+      .Width(3 * NormalW),
+      .Depth(JoinAt - NormalAt)
+  ) u_normal_line (
+      .clk_i,
+      .rst_ni,
+      .en_i(en),
+      .d_i(normal_made),
+      .q_o(normal)
+  );
+
+  // ---------------------------------------------------------------- both cosines
+
+  localparam int DotW = NormalW + DirectionW;
+  logic [DotW-1:0] share[3];
+  logic signed [DotW+1:0] dot_q;
+  for (genvar i = 0; i < 3; i++) begin : gen_dot
+    mul_pipe #(
+        .AW(NormalW),
+        .BW(DirectionW),
+        .ASigned(bitspan_light_pkg::LightNormalSigned),
+        .BSigned(bitspan_light_pkg::LightDirectionSigned),
+        .Clocks(bitspan_light_pkg::CosineProductClocks)
+    ) u_share (
+        .clk_i,
+        .en_i(en),
+        .a_i(normal[i*NormalW+:NormalW]),
+        .b_i(direction[i*DirectionW+:DirectionW]),
+        .p_o(share[i])
+    );
+  end
+  always_ff @(posedge clk_i) begin
+    if (en) begin
+      dot_q <= (DotW + 2)'($signed(share[0])) + (DotW + 2)'($signed(share[1])) + (DotW + 2)'($signed(share[2]));
+    end
+  end
+  logic [CosineW-1:0] cosine, cosine_q;
+  quantize #(
+      .InW(DotW + 2),
+      .InFrac(bitspan_light_pkg::LightNormalFrac + bitspan_light_pkg::LightDirectionFrac),
+      .OutW(CosineW),
+      .OutFrac(CosineFrac),
+      .OutSigned(bitspan_light_pkg::LightCosineSigned),
+      .Rounding(bitspan_light_pkg::LightCosineRnd),
+      .Overflow(bitspan_light_pkg::LightCosineOvf)
+  ) u_cosine (
+      .x_i(dot_q),
+      .sticky_i(1'b0),
+      .q_o(cosine)
+  );
+  always_ff @(posedge clk_i) begin
+    if (en) cosine_q <= cosine;
+  end
+  // Both vectors at the cosine.
+  logic [3*NormalW-1:0] normal_c;
+  logic [3*DirectionW-1:0] direction_c;
+  ring_line #(
+      .Width(3 * (NormalW + DirectionW)),
+      .Depth(CosineAt - JoinAt)
+  ) u_vectors_line (
+      .clk_i,
+      .rst_ni,
+      .en_i(en),
+      .d_i({normal, direction}),
+      .q_o({normal_c, direction_c})
+  );
+  // - N'_z waits for the cosine, whose product is twice as much on a grid of one place less.
+  logic signed [NormalW:0] wide_z, minus_z_q;
+  logic [NormalW:0] minus_z;
+  logic [CosineW-1:0] mirrored;
+  logic [DirectionW-1:0] direction_z;
+  assign wide_z = (NormalW + 1)'($signed(normal[2*NormalW+:NormalW]));
+  always_ff @(posedge clk_i) begin
+    if (en) minus_z_q <= -wide_z;
+  end
+  ring_line #(
+      .Width(NormalW + 1),
+      .Depth(CosineAt - JoinAt - 1)
+  ) u_minus_z_line (
+      .clk_i,
+      .rst_ni,
+      .en_i(en),
+      .d_i(minus_z_q),
+      .q_o(minus_z)
+  );
+  assign direction_z = direction_c[2*DirectionW+:DirectionW];
+  multiply_round #(
+      .AW(CosineW),
+      .AFrac(CosineFrac - 1),
+      .BW(NormalW + 1),
+      .BFrac(bitspan_light_pkg::LightNormalFrac),
+      .BSigned(bitspan_light_pkg::LightNormalSigned),
+      .CW(DirectionW),
+      .CFrac(bitspan_light_pkg::LightDirectionFrac),
+      .OutW(CosineW),
+      .OutFrac(CosineFrac),
+      .OutSigned(bitspan_light_pkg::LightCosineSigned),
+      .OutRnd(bitspan_light_pkg::LightCosineRnd),
+      .OutOvf(bitspan_light_pkg::LightCosineOvf),
+      .ProductClocks(bitspan_light_pkg::MirroredProductClocks)
+  ) u_mirrored (
+      .clk_i,
+      .en_i(en),
+      .a_i(cosine_q),
+      .b_i(minus_z),
+      .c_i(direction_z),
+      .e_i(1'sd0),
+      .q_o(mirrored)
+  );
+  logic lit_q, lit_m;
+  always_ff @(posedge clk_i) begin
+    if (en) lit_q <= !cosine_q[CosineW-1] && cosine_q != '0;
+  end
+  ring_line #(
+      .Width(1),
+      .Depth(MirroredAt - CosineAt - 1)
+  ) u_lit_line (
+      .clk_i,
+      .rst_ni,
+      .en_i(en),
+      .d_i(lit_q),
+      .q_o(lit_m)
+  );
+
+  // ---------------------------------------------------------------- the highlight
+
+  // The place of a cosine in the table: an interval, and how far along it is. A cosine above 1 is as 1.
+  localparam int Below = (CosineFrac > IndexBits) ? CosineFrac - IndexBits : 0;
+  localparam int Above = (CosineFrac > IndexBits) ? 0 : IndexBits - CosineFrac;
+  localparam int PlacedW = CosineW + Above + 1;
+  logic [PlacedW-1:0] held, placed;
+  logic [IndexBits-1:0] interval, interval_q;
+  logic [IndexBits:0] next_q;
+  logic [Below:0] along, along_q, along_m, along_r, along_e;
+  logic shines, shines_q, shines_s, is_one;
+  assign shines = lit_m && !mirrored[CosineW-1] && mirrored != '0;
+  assign is_one = (mirrored >> CosineFrac) != '0;
+  assign held = is_one ? PlacedW'(1) << CosineFrac : PlacedW'(mirrored);
+  assign placed = held << Above;
+  assign interval = is_one ? '1 : IndexBits'(placed >> Below);
+  assign along = is_one ? (Below + 1)'(1) << Below : (Below + 1)'(placed) & ((Below + 1)'(1) << Below) - (Below + 1)'(1);
+  localparam int SpecularSigned = bitspan_light_pkg::LightSpecularSigned;
+  function automatic logic signed [SpecularW:0] wide(input logic [SpecularW-1:0] entry);
+    wide = $signed({(SpecularSigned != 0) & entry[SpecularW-1], entry});
+  endfunction
+  logic signed [SpecularW+1:0] rise_e;
+  logic [SpecularW-1:0] low_entries[(1<<IndexBits)+1], high_entries[(1<<IndexBits)+1];
+  // A memory's output is late in its clock, so that a register of its own follows.
+  logic [SpecularW-1:0] low_m, high_m, low_r, high_r, low_e;
+  always_ff @(posedge clk_i) begin
+    if (load_i) begin
+      low_entries[load_place_i]  <= load_data_i;
+      high_entries[load_place_i] <= load_data_i;
+    end
+    if (en) begin
+      interval_q <= interval;
+      next_q <= {1'b0, interval} + (IndexBits + 1)'(1);
+      along_q <= along;
+      shines_q <= shines;
+      low_m <= low_entries[{1'b0, interval_q}];
+      high_m <= high_entries[next_q];
+      along_m <= along_q;
+      low_r <= low_m;
+      high_r <= high_m;
+      along_r <= along_m;
+      low_e <= low_r;
+      rise_e <= (SpecularW + 2)'(wide(high_r)) - (SpecularW + 2)'(wide(low_r));
+      along_e <= along_r;
+    end
+  end
+  logic [SpecularW-1:0] power, specular;
+  multiply_round #(
+      .AW(SpecularW + 2),
+      .AFrac(SpecularFrac),
+      .BW(Below + 1),
+      .BFrac(Below),
+      .BSigned(0),
+      .CW(SpecularW + 1),
+      .CFrac(SpecularFrac),
+      .OutW(SpecularW),
+      .OutFrac(SpecularFrac),
+      .OutSigned(SpecularSigned),
+      .OutRnd(bitspan_light_pkg::LightSpecularRnd),
+      .OutOvf(bitspan_light_pkg::LightSpecularOvf),
+      .ProductClocks(bitspan_light_pkg::SpecularProductClocks)
+  ) u_specular (
+      .clk_i,
+      .en_i(en),
+      .a_i(rise_e),
+      .b_i(along_e),
+      .c_i(wide(low_e)),
+      .e_i(1'sd0),
+      .q_o(power)
+  );
+  ring_line #(
+      .Width(1),
+      .Depth(SpecularAt - MirroredAt - 2)
+  ) u_shines_line (
+      .clk_i,
+      .rst_ni,
+      .en_i(en),
+      .d_i(shines_q),
+      .q_o(shines_s)
+  );
+  always_ff @(posedge clk_i) begin
+    if (en) specular <= shines_s ? power : '0;
+  end
+
+  // ---------------------------------------------------------------- V = kd c + ks spec + ka
+
+  localparam int ValueSigned = bitspan_light_pkg::LightValueSigned;
+  localparam int DiffuseW = ValueW + CosineW;
+  localparam int DiffuseClocks = bitspan_light_pkg::DiffuseProductClocks;
+  logic [CosineW-1:0] cosine_1, cosine_lit;
+  logic [DiffuseW-1:0] diffuse;
+  // The ambient share may have more places than the product.
+  localparam int BaseW = ValueW + ((CosineW > CosineFrac + 1) ? CosineW : CosineFrac + 1) + 2;
+  logic signed [BaseW-1:0] base_q, base;
+  logic [BaseW-1:0] base_line;
+  logic [ValueW-1:0] value;
+  always_ff @(posedge clk_i) begin
+    if (en) begin
+      cosine_1   <= cosine_q;
+      cosine_lit <= lit_q ? cosine_1 : '0;
+    end
+  end
+  mul_pipe #(
+      .AW(ValueW),
+      .BW(CosineW),
+      .ASigned(ValueSigned),
+      .BSigned(1),
+      .Clocks(DiffuseClocks)
+  ) u_diffuse (
+      .clk_i,
+      .en_i(en),
+      .a_i(diffuse_i),
+      .b_i(cosine_lit),
+      .p_o(diffuse)
+  );
+  logic signed [ValueW:0] ambient;
+  assign ambient = $signed({(ValueSigned != 0) & ambient_i[ValueW-1], ambient_i});
+  always_ff @(posedge clk_i) begin
+    if (en) base_q <= BaseW'($signed(diffuse)) + (BaseW'(ambient) <<< CosineFrac);
+  end
+  ring_line #(
+      .Width(BaseW),
+      .Depth(SpecularAt - CosineAt - DiffuseClocks - 3)
+  ) u_base_line (
+      .clk_i,
+      .rst_ni,
+      .en_i(en),
+      .d_i(base_q),
+      .q_o(base_line)
+  );
+  assign base = $signed(base_line);
+  multiply_round #(
+      .AW(ValueW),
+      .AFrac(ValueFrac),
+      .ASigned(ValueSigned),
+      .BW(SpecularW),
+      .BFrac(SpecularFrac),
+      .BSigned(SpecularSigned),
+      .CW(BaseW),
+      .CFrac(ValueFrac + CosineFrac),
+      .OutW(ValueW),
+      .OutFrac(ValueFrac),
+      .OutSigned(ValueSigned),
+      .OutRnd(bitspan_light_pkg::LightValueRnd),
+      .OutOvf(bitspan_light_pkg::LightValueOvf),
+      .ProductClocks(bitspan_light_pkg::ShareProductClocks)
+  ) u_value (
+      .clk_i,
+      .en_i(en),
+      .a_i(highlight_i),
+      .b_i(specular),
+      .c_i(base),
+      .e_i(1'sd0),
+      .q_o(value)
+  );
+
+  // ---------------------------------------------------------------- the colour
+
+  logic [3*ColorW-1:0] own, colored;
+  ring_line #(
+      .Width(3 * ColorW),
+      .Depth(ValueAt)
+  ) u_color_line (
+      .clk_i,
+      .rst_ni,
+      .en_i(en),
+      .d_i({in_r_i, in_g_i, in_b_i}),
+      .q_o(own)
+  );
+  for (genvar c = 0; c < 3; c++) begin : gen_color
+    multiply_round #(
+        .AW(ColorW),
+        .AFrac(bitspan_light_pkg::TextureColorFrac),
+        .ASigned(bitspan_light_pkg::TextureColorSigned),
+        .BW(ValueW),
+        .BFrac(ValueFrac),
+        .BSigned(ValueSigned),
+        .OutW(ColorW),
+        .OutFrac(bitspan_light_pkg::TextureColorFrac),
+        .OutSigned(bitspan_light_pkg::TextureColorSigned),
+        .OutRnd(bitspan_light_pkg::TextureColorRnd),
+        .OutOvf(bitspan_light_pkg::TextureColorOvf),
+        .ProductClocks(bitspan_light_pkg::LitProductClocks)
+    ) u_color (
+        .clk_i,
+        .en_i(en),
+        .a_i(own[c*ColorW+:ColorW]),
+        .b_i(value),
+        .c_i(1'sd0),
+        .e_i(1'sd0),
+        .q_o(colored[c*ColorW+:ColorW])
+    );
+  end
+
+  // What waits beside the colours.
+  logic [3*(NormalW+DirectionW)+CosineW-1:0] vectors_out;
+  logic [CosineW-1:0] mirrored_out;
+  logic [SpecularW-1:0] specular_out;
+  logic [ValueW-1:0] value_out;
+  ring_line #(
+      .Width(3 * (NormalW + DirectionW) + CosineW),
+      .Depth(Clocks - CosineAt)
+  ) u_vectors_out_line (
+      .clk_i,
+      .rst_ni,
+      .en_i(en),
+      .d_i({
+        normal_c[0+:NormalW],
+        normal_c[NormalW+:NormalW],
+        normal_c[2*NormalW+:NormalW],
+        direction_c[0+:DirectionW],
+        direction_c[DirectionW+:DirectionW],
+        direction_z,
+        cosine_q
+      }),
+      .q_o(vectors_out)
+  );
+  ring_line #(
+      .Width(CosineW),
+      .Depth(Clocks - MirroredAt)
+  ) u_mirrored_out_line (
+      .clk_i,
+      .rst_ni,
+      .en_i(en),
+      .d_i(mirrored),
+      .q_o(mirrored_out)
+  );
+  ring_line #(
+      .Width(SpecularW),
+      .Depth(Clocks - SpecularAt)
+  ) u_specular_out_line (
+      .clk_i,
+      .rst_ni,
+      .en_i(en),
+      .d_i(specular),
+      .q_o(specular_out)
+  );
+  ring_line #(
+      .Width(ValueW),
+      .Depth(Clocks - ValueAt)
+  ) u_value_out_line (
+      .clk_i,
+      .rst_ni,
+      .en_i(en),
+      .d_i(value),
+      .q_o(value_out)
+  );
+  shift_stage #(
+      .Clocks(Clocks),
+      .RestW(RestW),
+      .Width(3 * (NormalW + DirectionW + ColorW) + 2 * CosineW + SpecularW + ValueW)
+  ) u_stage (
+      .clk_i,
+      .rst_ni,
+      .in_valid_i,
+      .in_ready_o,
+      .in_rest_i,
+      .made_i({vectors_out, mirrored_out, specular_out, value_out, colored}),
+      .out_valid_o,
+      .out_ready_i,
+      .out_made_o({
+        out_nx_o,
+        out_ny_o,
+        out_nz_o,
+        out_lx_o,
+        out_ly_o,
+        out_lz_o,
+        out_cosine_o,
+        out_mirrored_o,
+        out_specular_o,
+        out_value_o,
+        out_r_o,
+        out_g_o,
+        out_b_o
+      }),
+      .out_rest_o
+  );
+
+`ifndef SYNTHESIS
+  initial begin
+    assert (Clocks == bitspan_light_pkg::LightClocks)
+    else $fatal(1, "light: has %0d clocks, told %0d", Clocks, bitspan_light_pkg::LightClocks);
+    assert (bitspan_light_pkg::LightCosineSigned != 0 && bitspan_light_pkg::LightDirectionSigned != 0)
+    else $fatal(1, "light: cosines and directions are signed");
+  end
+`endif
+endmodule
