@@ -76,6 +76,7 @@ void refuse_camera(const std::string& name, const SceneOptions& o) {
   refuse(o.far.has_value(), "--far");
   refuse(!o.texture.empty(), "--texture");
   refuse(!o.texture1.empty(), "--texture1");
+  refuse(!o.light_map.empty(), "--light-map");
   refuse(!o.fog.empty(), "--fog");
   refuse(!o.light.empty(), "--light");
   refuse(o.unlit, "--unlit");
@@ -114,10 +115,14 @@ void refuse_size(const std::string& name, const Scene& scene, const SceneOptions
 }  // namespace
 
 SceneOptions seen_with(const Config& config, SceneOptions options) {
-  if (!options.texture1.empty() && !has_second_coordinates(config.second_coordinates)) {
-    throw InputError(
-        "--texture1: the configuration gives the second texture unit the first one's coordinates; "
-        "expected one with texture.second = \"own\"");
+  for (const auto& [value, flag] :
+       {std::pair{&options.texture1, "--texture1"}, std::pair{&options.light_map, "--light-map"}}) {
+    if (!value->empty() && !has_second_coordinates(config.second_coordinates)) {
+      throw InputError(
+          fmt::format("{}: the configuration gives the second texture unit the first one's coordinates; "
+                      "expected one with texture.second = \"own\"",
+                      flag));
+    }
   }
   options.depth_bits = config.depth_bits;
   options.depth_code = config.depth_code;
@@ -183,10 +188,18 @@ std::optional<ShadowOptions> shadow_of(const SceneOptions& o) {
 std::optional<LightOptions> light_of(const SceneOptions& o) {
   if (o.light.empty()) return std::nullopt;
   if (o.unlit) throw InputError("--unlit: draws without light; expected no --light beside it");
-  const bool has_shares = std::ranges::count(o.light, ',') > 2;
+  const auto commas = static_cast<std::size_t>(std::ranges::count(o.light, ','));
+  const bool has_shares = commas > 2, has_lunar = commas > 5, falls = commas > 6;
   const auto n =
-      parse_numbers(o.light, "--light", has_shares ? 6 : 3,
-                    has_shares ? "a light and its shares x,y,z,ambient,specular,exponent" : "a light x,y,z");
+      parse_numbers(o.light, "--light",
+                    falls        ? 9
+                    : has_lunar  ? 7
+                    : has_shares ? 6
+                                 : 3,
+                    falls        ? "a light that falls x,y,z,ambient,specular,exponent,lunar,reach,offset"
+                    : has_lunar  ? "a light with the lunar law x,y,z,ambient,specular,exponent,lunar"
+                    : has_shares ? "a light and its shares x,y,z,ambient,specular,exponent"
+                                 : "a light x,y,z");
   LightOptions out{.place = {n[0], n[1], n[2]}, .is_point = o.light_points, .by_unit = o.light_by_unit};
   if (has_shares) {
     if (n[5] != std::floor(n[5]) || std::abs(n[5]) > light_exponent_limit) {
@@ -197,7 +210,28 @@ std::optional<LightOptions> light_of(const SceneOptions& o) {
     out.specular = n[4];
     out.exponent = static_cast<int>(n[5]);
   }
+  if (has_lunar) out.lunar = n[6];
+  if (falls) {
+    out.reach = n[7];
+    out.offset = n[8];
+  }
   check_light(out, "--light");
+  return out;
+}
+
+// What --light-map says; none where there is none.
+std::optional<LightMapOptions> light_map_of(const SceneOptions& o) {
+  if (o.light_map.empty()) return std::nullopt;
+  const auto n = parse_numbers(o.light_map, "--light-map", 4, "a light and its reach x,y,z,reach");
+  for (const auto& [other, flag] : {std::pair{&o.texture1, "--texture1"}, std::pair{&o.shadow, "--shadow"},
+                                    std::pair{&o.slide, "--slide"}, std::pair{&o.light, "--light"}}) {
+    if (!other->empty()) {
+      throw InputError(
+          fmt::format("--light-map: lights by the second texture unit; expected no {} beside it", flag));
+    }
+  }
+  const LightMapOptions out{.place = {n[0], n[1], n[2]}, .reach = n[3]};
+  check_light_map(out, "--light-map");
   return out;
 }
 
@@ -251,6 +285,7 @@ LoadedScene load_mesh(const std::string& name, const SceneOptions& o, int number
   if (options.texture1 && (!o.shadow.empty() || !o.slide.empty())) {
     throw InputError("--texture1: has the unit that --shadow and --slide need; expected one of them");
   }
+  options.light_map = light_map_of(o);
   options.project.cull = !o.no_cull;
   options.project.clip_sides = o.clip_sides;
   options.light = light_of(o);
@@ -299,10 +334,18 @@ void add_scene_options(CLI::App& command, SceneOptions& o) {
           "--light", o.light,
           "mesh: x,y,z of a light; or x,y,z,ambient,specular,exponent, where ambient and specular are shares "
           "of 1 (default 0.2,0,32). By light.at of the configuration; where that is none, at the vertices in "
-          "double precision. Far away, unless light.source = \"point\". A mesh without a texture has one at "
+          "double precision. Far away, unless light.source = \"point\". Two more forms are "
+          "...,exponent,lunar with k of light.law = \"lunar\", and ...,lunar,reach,offset, where brightness "
+          "falls by light.fall. A mesh without a texture has one at "
           "the viewer's shoulder")
       ->group(group);
   command.add_flag("--unlit", o.unlit, "mesh: without that light")->group(group);
+  command
+      .add_option("--light-map", o.light_map,
+                  "mesh: x,y,z,reach of a light as a texture of the second unit, which falls with the square "
+                  "of the distance; at the reach a surface that faces it is as bright as its colour. Needs "
+                  "texture.second = \"own\"")
+      ->group(group);
   command
       .add_option(
           "--shadow", o.shadow,
@@ -692,6 +735,7 @@ std::string flags_text(const SceneOptions& o) {
   text("--texture1", o.texture1);
   text("--fog", o.fog);
   text("--light", o.light);
+  text("--light-map", o.light_map);
   out += o.unlit ? " --unlit" : "";
   text("--shadow", o.shadow);
   text("--shadow-plane", o.shadow_plane);

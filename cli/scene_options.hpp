@@ -28,8 +28,9 @@ struct SceneOptions {
   std::string camera;  // "x,y,z", empty: an orbit by yaw and pitch
   std::optional<double> yaw, pitch, distance, fov, near, far;
   std::string texture, texture1;
-  std::string fog;    // "r,g,b,distance"
-  std::string light;  // "x,y,z" or "x,y,z,ambient,specular,exponent"
+  std::string fog;        // "r,g,b,distance"
+  std::string light;      // "x,y,z", and ",ambient,specular,exponent", ",lunar" and ",reach,offset" behind it
+  std::string light_map;  // "x,y,z,reach"
   bool unlit = false;
   // By the configuration: whether brightness is formed by its unit, and whether lights stand at points.
   bool light_by_unit = false, light_points = false;

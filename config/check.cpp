@@ -290,6 +290,11 @@ Result first_violation(const Config& c) {
                      "is " + std::string(to_string(c.project)) +
                          ", and forms depth codes of h alone; legal: none, or depth.code = inverse, opengl"};
   }
+  if (has_light(c.light) && falls(c.light_fall) && !has_points(c.light_source)) {
+    return Violation{"light.fall", "is " + std::string(to_string(c.light_fall)) +
+                                       " with light.source = parallel, which forms no place; legal: none, or "
+                                       "light.source = point"};
+  }
   if (has_light(c.light) && c.light_root.index_bits >= c.light_root.operand_bits) {
     return Violation{"light.root.index_bits",
                      "is " + std::to_string(c.light_root.index_bits) + " with operand_bits = " +

@@ -58,6 +58,11 @@ BITSPAN_ENUM(ProjectUnit, none, reciprocal);
 // Where the stage light forms a brightness: nowhere; once per triangle, of its first vertex [L4]; at the
 // vertices, between which the channel light runs [L5]; per pixel, of the channels nx, ny and nz [L6].
 BITSPAN_ENUM(LightAt, none, face, vertex, pixel);
+// How a surface scatters: by the cosine alone [L1], or divided by 1 + k cos(viewer) [L3].
+BITSPAN_ENUM(LightLaw, lambert, lunar);
+// By which power of a distance brightness falls [B9], and what the distance is to.
+BITSPAN_ENUM(LightFall, none, first, second);
+BITSPAN_ENUM(LightFallTo, light, viewer);
 // What lights it takes: those that are far away, or those that stand somewhere, too.
 BITSPAN_ENUM(LightSource, parallel, point);
 // A cache between the pixel stages and a buffer: none; one whose writes go on to the memory at once; one that
@@ -235,6 +240,9 @@ struct Config {
   // [light]
   LightAt light = LightAt::none;
   LightSource light_source = LightSource::parallel;
+  LightLaw light_law = LightLaw::lambert;
+  LightFall light_fall = LightFall::none;
+  LightFallTo light_fall_to = LightFallTo::light;
   int light_index_bits = 9;  // the table of the highlight has 2^this intervals
   RootUnit light_root;
 

@@ -718,6 +718,40 @@ void light(const Config& c, List& list, Grid coordinate) {
              F::light_cosine);
   list.value("light", "g = Lz - 2 c Nz", {F::light_normal, F::light_direction, F::light_cosine},
              list.of(F::light_direction) - scaled(cosine * list.of(F::light_normal), -1), F::light_cosine);
+  // x Inv(T) 2^-2e, 4^e <= T < 4^(e+1).
+  const auto divided = [&](const std::string& text, std::initializer_list<FormatId> made_of, Grid x, Grid t,
+                           FormatId into) {
+    list.value("light", text, made_of, x + scaled(x, t.integer), into);
+    list.value("light", text, made_of, x + scaled(x, -(t.fraction + 1)), into);
+  };
+  if (has_lunar(c) || has_light_fall(c)) {
+    const Grid root = list.of(F::light_root);
+    list.value("light", "m m", {F::light_root, F::light_inverse}, root * root, F::light_inverse);
+  }
+  if (has_lunar(c)) {
+    const Grid lunar = list.of(F::light_lunar);
+    list.value("light", "1 + k Nz", {F::light_lunar, F::light_normal},
+               Grid{1, 0, true} + lunar * list.of(F::light_normal), F::light_lunar);
+    divided("c Inv", {F::light_lunar, F::light_inverse, F::light_cosine}, cosine * list.of(F::light_inverse),
+            lunar, F::light_cosine);
+  }
+  if (has_light_fall(c)) {
+    const Grid distance = list.of(F::light_distance);
+    const Grid part = (place - place) * list.of(F::light_direction);
+    list.value("light", "d = D.Unit(D)", {F::light_position, F::light_direction}, part + part + part,
+               F::light_position);
+    list.value("light", "d w", {F::light_position, F::light_scale, F::light_distance},
+               place * list.of(F::light_scale), F::light_distance);
+    list.value("light", "d + K", {F::light_distance},
+               falls_by_square(c.light_fall) ? distance * distance + distance : distance + distance,
+               F::light_distance);
+    divided("Inv", {F::light_distance, F::light_inverse, F::light_fall}, list.of(F::light_inverse), distance,
+            F::light_fall);
+    list.value("light", "kd c + ks spec", {F::light_cosine, F::light_specular, F::light_value},
+               value * cosine + value * specular, F::light_value);
+    list.value("light", "V = f U + ka", {F::light_fall, F::light_value},
+               value * list.of(F::light_fall) + value, F::light_value);
+  }
   const Grid place_in_table{1, std::max(cosine.fraction - c.light_index_bits, 0), true};
   list.value("light", "t_j + (t_j+1 - t_j) x", {F::light_cosine, F::light_specular},
              specular + (specular - specular) * place_in_table, F::light_specular);

@@ -179,6 +179,15 @@ struct Format {
     Format{20, 2, true, Rounding::rnd, Overflow::sat, false})                                                \
   X(light_specular, "light.specular", "1", "the highlight, a power of a cosine; an entry of its table",      \
     Format{18, 1, false, Rounding::rnd, Overflow::sat, false})                                               \
+  X(light_inverse, "light.inverse", "1", "square of the reciprocal square root's mantissa",                  \
+    Format{24, 1, false, Rounding::rnd, Overflow::sat, false})                                               \
+  X(light_lunar, "light.lunar", "1", "lunar law: k, and 1 + k times the viewer's cosine",                    \
+    Format{20, 6, false, Rounding::rnd, Overflow::sat, false})                                               \
+  X(light_distance, "light.distance", "reach",                                                               \
+    "distance that brightness falls by, its square, and the offset beside them",                             \
+    Format{28, 8, false, Rounding::rnd, Overflow::sat, false})                                               \
+  X(light_fall, "light.fall", "1", "what the distance leaves of the brightness",                             \
+    Format{18, 2, false, Rounding::rnd, Overflow::sat, false})                                               \
   X(light_value, "light.value", "1", "brightness, 0 to 1; the shares that it is made of",                    \
     Format{16, 1, false, Rounding::rnd, Overflow::sat, false})                                               \
   X(fog_scale, "fog.scale", "depth code", "constant of linear fog")                                          \

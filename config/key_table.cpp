@@ -54,6 +54,7 @@ bool reads_lod(const Config& c, std::size_t /*i*/) { return has_lod(c); }
 bool reads_zones(const Config& c, std::size_t /*i*/) { return has_lod_zones(c); }
 
 bool reads_light(const Config& c, std::size_t /*i*/) { return has_light(c.light); }
+bool reads_light_fall(const Config& c, std::size_t /*i*/) { return has_light_fall(c); }
 
 // Of a Config, const or not.
 auto& cache_of(auto& c, std::size_t i) { return i == 0 ? c.memory.depth_cache : c.memory.color_cache; }
@@ -401,6 +402,27 @@ constexpr KeyRow rows[] = {
      ideal | values,
      "lights that are far away; or lights that stand at a point, too",
      {.presence = Presence::later, .used = reads_light, .unused = Unused::initial}},
+    {"light.law",
+     MEMBER(light_law),
+     {},
+     "",
+     ideal | values,
+     "L1: scattered light by the cosine; L3: divided by 1 + k times the viewer's cosine",
+     {.presence = Presence::later, .used = reads_light, .unused = Unused::initial}},
+    {"light.fall",
+     MEMBER(light_fall),
+     {},
+     ", none with light.source = parallel",
+     ideal | values,
+     "B9: the power of the distance that brightness falls by",
+     {.presence = Presence::later, .used = reads_light, .unused = Unused::initial}},
+    {"light.fall_to",
+     MEMBER(light_fall_to),
+     {},
+     "",
+     ideal | values,
+     "what that distance is to",
+     {.presence = Presence::later, .used = reads_light_fall, .unused = Unused::initial}},
     {"light.index_bits",
      MEMBER(light_index_bits),
      {1, 12},

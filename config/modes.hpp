@@ -450,6 +450,52 @@ constexpr bool has_points(LightSource source) {
 constexpr bool has_light_points(const Config& config) {
   return has_light(config.light) && has_points(config.light_source);
 }
+// What scatters falls with the viewer's cosine.
+constexpr bool is_lunar(LightLaw law) {
+  switch (law) {
+    case LightLaw::lambert:
+      return false;
+    case LightLaw::lunar:
+      return true;
+  }
+  unreachable();
+}
+constexpr bool has_lunar(const Config& config) {
+  return has_light(config.light) && is_lunar(config.light_law);
+}
+// Brightness falls with a distance.
+constexpr bool falls(LightFall fall) {
+  switch (fall) {
+    case LightFall::none:
+      return false;
+    case LightFall::first:
+    case LightFall::second:
+      return true;
+  }
+  unreachable();
+}
+constexpr bool falls_by_square(LightFall fall) {
+  switch (fall) {
+    case LightFall::none:
+    case LightFall::first:
+      return false;
+    case LightFall::second:
+      return true;
+  }
+  unreachable();
+}
+constexpr bool falls_to_viewer(LightFallTo to) {
+  switch (to) {
+    case LightFallTo::light:
+      return false;
+    case LightFallTo::viewer:
+      return true;
+  }
+  unreachable();
+}
+constexpr bool has_light_fall(const Config& config) {
+  return has_light_points(config) && falls(config.light_fall);
+}
 
 // ---------------------------------------------------------------- RTL
 

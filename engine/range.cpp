@@ -231,7 +231,9 @@ class RangeCheck {
   void look(std::span<const Triangle> triangles, std::int64_t first, RangeBy by) {
     if (view_.fog && has_vertex_fog(c_.fog)) vertex_fog(triangles, first);
     if (view_.projector && has_project(c_.project)) vertex_projection(triangles, first);
-    if (view_.light && view_.light->is_point && lights_vertices(c_.light)) vertex_light(triangles, first);
+    if (view_.light && (view_.light->is_point || view_.light->reach > 0) && lights_vertices(c_.light)) {
+      vertex_light(triangles, first);
+    }
     if (has_perspective_shades(c_.shade_lines)) vertex_shades(triangles, first);
     if (has_second_coordinates(c_.second_coordinates)) vertex_second(triangles, first);
     if (by == RangeBy::bounds && surely_held(triangles)) return;
@@ -404,7 +406,13 @@ class RangeCheck {
   // Where it stands, and the points that it is seen from; or its direction, whose largest part is 1/2 to 1.
   void light(const Light& light) {
     int down = exponent_;
-    if (light.is_point) {
+    const bool falls = light.reach > 0 && (light.is_point || falls_to_viewer(c_.light_fall_to));
+    if (has_lunar(c_)) add(F::light_lunar, 1 + static_cast<Real>(light.lunar), kNoTriangle);
+    if (falls && has_light_fall(c_)) {
+      add(F::light_scale, std::ldexp(1 / static_cast<Real>(light.reach), octaves(light.reach)), kNoTriangle);
+      add(F::light_distance, static_cast<Real>(light.offset), kNoTriangle);
+    }
+    if (light.is_point || falls) {
       const auto focal = static_cast<Real>(view_.focal);
       add(F::light_scale, std::ldexp(1 / focal, octaves(view_.focal)), kNoTriangle);
       if (lights_pixels(c_.light)) {
@@ -414,7 +422,8 @@ class RangeCheck {
         }
         add(F::light_position, Interval{s_min_, s_max_}, kNoTriangle);
       }
-    } else {
+    }
+    if (!light.is_point) {
       double most = 0;
       for (const double part : light.place) most = std::max(most, std::fabs(part));
       down = octaves(most);

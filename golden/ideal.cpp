@@ -46,14 +46,23 @@ std::array<double, 3> of_length_1(const std::array<double, 3>& x) {
   return {x[0] / size, x[1] / size, x[2] / size};
 }
 
-// The light of a surface with that normal, seen at a place of the picture. [L1, L2, SH1]
-IdealLight light_on(const Scene& scene, const std::array<double, 3>& normal, double x, double y, double s) {
+// What a distance leaves of the brightness. [B9]
+double fall_of(const Config& config, const Light& light, double to_light, double to_viewer) {
+  const bool by_viewer = falls_to_viewer(config.light_fall_to);
+  if (light.reach == 0 || (!light.is_point && !by_viewer)) return 1;
+  const double d = (by_viewer ? to_viewer : to_light) / light.reach;
+  return 1 / ((falls_by_square(config.light_fall) ? d * d : d) + light.offset);
+}
+
+// The light of a surface with that normal, seen at a place of the picture. [L1, L2, L3, B9, SH1]
+IdealLight light_on(const Config& config, const Scene& scene, const std::array<double, 3>& normal, double x,
+                    double y, double s) {
   const Light& light = *scene.light;
   std::array<double, 3> to = light.place;
+  const std::array here{(x - scene.width / 2.0) * s / scene.focal, (y - scene.height / 2.0) * s / scene.focal,
+                        s};
   if (light.is_point) {
-    to[0] -= (x - scene.width / 2.0) * s / scene.focal;
-    to[1] -= (y - scene.height / 2.0) * s / scene.focal;
-    to[2] -= s;
+    for (std::size_t i = 0; i < 3; ++i) to[i] -= here[i];
   }
   IdealLight out;
   out.normal = of_length_1(normal);
@@ -63,7 +72,9 @@ IdealLight light_on(const Scene& scene, const std::array<double, 3>& normal, dou
   out.value = light.ambient;
   if (out.cosine <= 0) return out;
   if (out.mirrored > 0) out.specular = std::pow(std::min(out.mirrored, 1.0), light.exponent);
-  out.value += (1 - light.ambient - light.specular) * out.cosine + light.specular * out.specular;
+  const double scattered = out.cosine / (1 + light.lunar * std::max(-out.normal[2], 0.0));
+  out.value += ((1 - light.ambient - light.specular) * scattered + light.specular * out.specular) *
+               fall_of(config, light, std::hypot(to[0], to[1], to[2]), std::hypot(here[0], here[1], s));
   return out;
 }
 
@@ -72,7 +83,7 @@ double brightness_at(const Config& config, const Scene& scene, const IdealTriang
   const Corner* corner = &t.v[vertex];
   if (lights_faces(config.light)) corner = &*std::ranges::find(t.v, 0, &Corner::place);
   const auto pixels = [&](std::int64_t at) { return std::ldexp(static_cast<double>(at), -t.subpixel_bits); };
-  return light_on(scene, {corner->given.nx, corner->given.ny, corner->given.nz}, pixels(corner->x),
+  return light_on(config, scene, {corner->given.nx, corner->given.ny, corner->given.nz}, pixels(corner->x),
                   pixels(corner->y), static_cast<double>(corner->s))
       .value;
 }
@@ -530,7 +541,8 @@ IdealFragment shade(const Config& config, const DrawState& state, const Scene& s
   if (has_second_texture(state)) combine(config, state, scene, levels, out);
   out.killed = out.killed || (golden::kills_zero(state) && out.alpha == 0);
   if (scene.light && lights_pixels(config.light)) {
-    out.light = light_on(scene, {point.given.nx, point.given.ny, point.given.nz}, point.x, point.y, point.s);
+    out.light =
+        light_on(config, scene, {point.given.nx, point.given.ny, point.given.nz}, point.x, point.y, point.s);
   } else {
     out.light.value = point.brightness;
   }

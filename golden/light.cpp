@@ -60,6 +60,12 @@ class Lighting {
         q_cosine_(config.format(FormatId::light_cosine)),
         q_specular_(config.format(FormatId::light_specular)),
         q_value_(config.format(FormatId::light_value)),
+        q_inverse_(config.format(FormatId::light_inverse)),
+        q_lunar_(config.format(FormatId::light_lunar)),
+        q_distance_(config.format(FormatId::light_distance)),
+        q_fall_(config.format(FormatId::light_fall)),
+        to_viewer_(falls_to_viewer(config.light_fall_to)),
+        by_square_(falls_by_square(config.light_fall)),
         is_point_(scene.light->is_point),
         middle_{Real(scene.width) * Real(0.5), Real(scene.height) * Real(0.5)},
         intervals_(1 << config.light_index_bits) {
@@ -67,14 +73,34 @@ class Lighting {
     if (is_point_ && !has_points(config.light_source)) {
       throw InputError("light: stands at a point, and light.source is parallel");
     }
-    int down = s_exponent;
-    if (is_point_) {
-      const int e = octaves(scene.focal);
+    if (light.lunar > 0 && !has_lunar(config)) {
+      throw InputError("light: has the lunar law, and light.law is lambert");
+    }
+    if (light.reach > 0 && !has_light_fall(config)) {
+      throw InputError("light: falls with the distance, and light.fall is none");
+    }
+    falls_ = light.reach > 0 && (is_point_ || to_viewer_);
+    is_lunar_ = light.lunar > 0;
+    // 1 / x by a mantissa.
+    const auto inverse = [&](double x) {
+      const int e = octaves(x);
       const Quantizer<Quad> q(config.format(FormatId::light_scale));
-      per_pixel_ = Quantizer<Real>(config.format(FormatId::light_scale))
-                       .value(q.raw(q.quotient(scalbnq(1, e), Quad(scene.focal)))) *
-                   pow2<Real>(-e);
-    } else {
+      return Quantizer<Real>(config.format(FormatId::light_scale))
+                 .value(q.raw(q.quotient(scalbnq(1, e), Quad(x)))) *
+             pow2<Real>(-e);
+    };
+    if (is_point_ || falls_) per_pixel_ = inverse(scene.focal);
+    if (falls_) {
+      per_reach_ = inverse(light.reach) * pow2<Real>(s_exponent);
+      const Quantizer<Quad> q(config.format(FormatId::light_distance));
+      offset_ = q_distance_.value(q.raw(q(Quad(light.offset))));
+    }
+    if (is_lunar_) {
+      const Quantizer<Quad> q(config.format(FormatId::light_lunar));
+      lunar_ = q_lunar_.value(q.raw(q(Quad(light.lunar))));
+    }
+    int down = s_exponent;
+    if (!is_point_) {
       double largest = 0;
       for (const double part : light.place) largest = std::max(largest, std::fabs(part));
       down = octaves(largest);
@@ -108,16 +134,18 @@ class Lighting {
   Shine<Real> operator()(const Vector<Real>& n, Real x, Real y, Real s) const {
     Shine<Real> out;
     out.normal = unit(root_, q_normal_, n);
-    out.direction = is_point_ ? to_light(x, y, s) : far_;
+    Real fall = 1;
+    out.direction = is_point_ || falls_ ? to_light(x, y, s, fall) : far_;
     const Vector<Real>& l = out.direction;
     out.cosine = q_cosine_(out.normal[0] * l[0] + out.normal[1] * l[1] + out.normal[2] * l[2]);
     out.mirrored = q_cosine_(l[2] - 2 * (out.cosine * out.normal[2]));
-    Real sum = ambient_;
+    Real sum = 0;
     if (out.cosine > 0) {
       if (out.mirrored > 0) out.specular = power(out.mirrored);
-      sum = sum + diffuse_ * out.cosine + highlight_ * out.specular;
+      sum =
+          diffuse_ * (is_lunar_ ? lunar(out.cosine, out.normal[2]) : out.cosine) + highlight_ * out.specular;
     }
-    out.value = q_value_(sum);
+    out.value = falls_ ? q_value_(fall * q_value_(sum) + ambient_) : q_value_(sum + ambient_);
     return out;
   }
 
@@ -140,11 +168,32 @@ class Lighting {
     }
     return out;
   }
-  Vector<Real> to_light(Real x, Real y, Real s) const {
+  // fall: what the distance leaves of the brightness.
+  Vector<Real> to_light(Real x, Real y, Real s, Real& fall) const {
     const Vector<Real> here{q_position_((x - middle_[0]) * s * per_pixel_),
                             q_position_((y - middle_[1]) * s * per_pixel_), q_position_(s)};
-    return unit(root_, q_direction_,
-                Vector<Real>{place_[0] - here[0], place_[1] - here[1], place_[2] - here[2]});
+    const Vector<Real> from_here{place_[0] - here[0], place_[1] - here[1], place_[2] - here[2]};
+    const Vector<Real> direction = is_point_ ? unit(root_, q_direction_, from_here) : far_;
+    if (falls_) {
+      fall =
+          to_viewer_ ? fall_along(here, unit(root_, q_direction_, here)) : fall_along(from_here, direction);
+    }
+    return direction;
+  }
+  Real fall_along(const Vector<Real>& x, const Vector<Real>& unit) const {
+    const Real d = q_position_(x[0] * unit[0] + x[1] * unit[1] + x[2] * unit[2]);
+    const Real reached = q_distance_(d * per_reach_);
+    return over(q_distance_((by_square_ ? reached * reached : reached) + offset_), Real(1), q_distance_,
+                q_fall_);
+  }
+  Real lunar(Real cosine, Real normal_z) const {
+    const Real away = normal_z < 0 ? -normal_z : Real(0);
+    return over(q_lunar_(1 + lunar_ * away), cosine, q_lunar_, q_cosine_);
+  }
+  // x / t, on q; t a value of q_t.
+  Real over(Real t, Real x, const Quantizer<Real>& q_t, const Quantizer<Real>& q) const {
+    const InverseRoot<Real> root = root_(t > 0 ? t : q_t.value(1));
+    return q(x * q_inverse_(root.m * root.m) * pow2<Real>(-2 * root.e));
   }
   Real power(Real cosine) const {
     const Real place = (cosine > 1 ? Real(1) : cosine) * Real(intervals_);
@@ -156,10 +205,13 @@ class Lighting {
 
   InverseRootUnit<Real> root_;
   Quantizer<Real> q_position_, q_normal_, q_direction_, q_cosine_, q_specular_, q_value_;
+  Quantizer<Real> q_inverse_, q_lunar_, q_distance_, q_fall_;
+  bool to_viewer_, by_square_;
   bool is_point_;
+  bool falls_ = false, is_lunar_ = false;
   std::array<Real, 2> middle_;
   int intervals_;
-  Real per_pixel_ = 0;
+  Real per_pixel_ = 0, per_reach_ = 0, offset_ = 0, lunar_ = 0;
   Vector<Real> place_{}, far_{};
   Real ambient_ = 0, highlight_ = 0, diffuse_ = 0;
   std::vector<Real> table_;

@@ -871,6 +871,33 @@ class Chooser {
     s.exact("N.L", sum(sum(both, both), both));
     const Range turned = product({cosine.lo + 1, cosine.hi + 1}, normal);
     s.exact("Lz - 2 c Nz", sum(direction, turned));
+    if (has_lunar(c_) || has_light_fall(c_)) {
+      const Range m = range_of(f(FormatId::light_root));
+      s.exact("m m", product(m, m));
+      reg(s, FormatId::light_inverse);
+    }
+    // x Inv 2^-2e, 4^e <= T.
+    const auto divided = [&](const std::string& text, Range x, FormatId t) {
+      const Range by = range_of(f(t));
+      s.exact(text, product(product(x, range_of(f(FormatId::light_inverse))), {-(by.hi + 1), 1 - by.lo}));
+    };
+    if (has_lunar(c_)) {
+      const Range lunar = reg(s, FormatId::light_lunar);
+      s.exact("1 + k Nz", sum({0, 0}, product(lunar, normal)));
+      divided("c Inv", cosine, FormatId::light_lunar);
+    }
+    if (has_light_fall(c_)) {
+      const Range distance = reg(s, FormatId::light_distance);
+      const Range fall = reg(s, FormatId::light_fall);
+      const Range part = product(sum(place, place), direction);
+      s.exact("D.Unit(D)", sum(sum(part, part), part));
+      s.exact("d w", product(place, product(reg(s, FormatId::light_scale),
+                                            {-reach_octaves - 1, reach_octaves + 1})));
+      s.exact("d d + K", sum(product(distance, distance), distance));
+      divided("Inv", {0, 0}, FormatId::light_distance);
+      s.exact("kd c + ks spec", sum(product(value, cosine), product(value, specular)));
+      s.exact("f U + ka", sum(product(fall, value), value));
+    }
     const Range share{std::min(cosine.lo + c_.light_index_bits, 0), c_.light_index_bits + 1};
     s.exact("g 2^n", share);
     const Range rise = s.exact("t_j+1 - t_j", sum(specular, specular));

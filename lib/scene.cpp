@@ -222,6 +222,9 @@ bs_scene_desc describe(const SceneState& state) {
     std::ranges::copy(scene.light->place, out.light);
     out.light_ambient = scene.light->ambient;
     out.light_specular = scene.light->specular;
+    out.light_lunar = scene.light->lunar;
+    out.light_reach = scene.light->reach;
+    out.light_offset = scene.light->offset;
   }
   out.textures = state.textures.data();
   out.texture_count = state.textures.size();
@@ -335,7 +338,10 @@ Scene scene_from(const bs_scene_desc* from) {
                         .place = {d.light[0], d.light[1], d.light[2]},
                         .ambient = d.light_ambient,
                         .specular = d.light_specular,
-                        .exponent = d.light_exponent};
+                        .exponent = d.light_exponent,
+                        .lunar = d.light_lunar,
+                        .reach = d.light_reach,
+                        .offset = d.light_offset};
   }
   check_scene(scene, what);
   if (d.texture_count != 0) need(d.textures, (what + ".textures").c_str());

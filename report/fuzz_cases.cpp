@@ -106,7 +106,7 @@ Scene fuzz_scene(const FuzzPlan& plan, std::uint64_t index, int draw, const Conf
   Random projection(fuzz_seed(plan.seed, index, 103));
   if (has_project(config.project) && !with_designs) draw_projection(projection, scene);
   Random light(fuzz_seed(plan.seed, index, 104));
-  if (has_light(config.light)) draw_light(light, scene, has_points(config.light_source));
+  if (has_light(config.light)) draw_light(light, scene, light_taken(config));
   Random translucency(fuzz_seed(plan.seed, index, 105));
   if (!with_designs && translucency.chance(0.125)) draw_translucency(translucency, scene);
   Random given(fuzz_seed(plan.seed, index, 101));

@@ -112,6 +112,11 @@ Json scene_json(const Scene& s) {
                       {"ambient", s.light->ambient},
                       {"specular", s.light->specular},
                       {"exponent", s.light->exponent}};
+    if (s.light->lunar > 0) scene["light"]["lunar"] = s.light->lunar;
+    if (s.light->reach > 0) {
+      scene["light"]["reach"] = s.light->reach;
+      scene["light"]["offset"] = s.light->offset;
+    }
   }
   scene["textures"] = Json::array();
   for (const Texture& t : s.textures) {
@@ -163,6 +168,9 @@ Scene scene_of(const Json& json) {
     json.at("light").at("ambient").get_to(light.ambient);
     json.at("light").at("specular").get_to(light.specular);
     json.at("light").at("exponent").get_to(light.exponent);
+    light.lunar = json.at("light").value("lunar", 0.0);
+    light.reach = json.at("light").value("reach", 0.0);
+    light.offset = json.at("light").value("offset", 0.0);
   }
   for (const Json& texture : json.at("textures")) {
     scene.textures.push_back(texture_of(texture));

@@ -897,6 +897,9 @@ void add_light(std::vector<SuiteFeature>& out) {
     LightAt at = LightAt::pixel;
     LightSource source = LightSource::parallel;
     int index_bits = 9, steps = 2;
+    LightLaw law = LightLaw::lambert;
+    LightFall fall = LightFall::none;
+    LightFallTo fall_to = LightFallTo::light;
     std::vector<Register> state{};
   };
   const auto set = [](const Unit& unit) {
@@ -905,6 +908,14 @@ void add_light(std::vector<SuiteFeature>& out) {
       c.light_source = unit.source;
       c.light_index_bits = unit.index_bits;
       c.light_root.steps = unit.steps;
+      c.light_law = unit.law;
+      c.light_fall = unit.fall;
+      c.light_fall_to = unit.fall_to;
+      if (s.light && is_lunar(unit.law)) s.light->lunar = 2.5;
+      if (s.light && falls(unit.fall)) {
+        s.light->reach = 1.25 * std::sqrt(s.s_min * s.s_max);
+        s.light->offset = 0.375;
+      }
       state(c, s);
     };
   };
@@ -923,6 +934,22 @@ void add_light(std::vector<SuiteFeature>& out) {
   add("light_at.vertex_not_pixel", fog, {.at = LightAt::vertex}, {}, under_light);
   add("light_table.coarse", light, {.index_bits = 2}, {}, under_light);
   add("light_root.no_step", light, {.steps = 0}, {}, under_light);
+  for (const LightAt at : {LightAt::face, LightAt::vertex, LightAt::pixel}) {
+    add(fmt::format("light_lunar.{}", to_string(at)), fog, {.at = at, .law = LightLaw::lunar}, {.at = at},
+        under_light);
+  }
+  for (const LightFall fall : {LightFall::first, LightFall::second}) {
+    for (const LightFallTo to : {LightFallTo::light, LightFallTo::viewer}) {
+      add(fmt::format("light_fall.{}_to_{}", to_string(fall), to_string(to)), fog,
+          {.source = point, .fall = fall, .fall_to = to}, {.source = point}, under_lamp);
+    }
+    add(fmt::format("light_fall.{}_at_vertices", to_string(fall)), fog,
+        {.at = LightAt::vertex, .source = point, .fall = fall, .fall_to = LightFallTo::viewer},
+        {.at = LightAt::vertex, .source = point}, under_lamp);
+  }
+  add("light_fall.of_a_far_light", fog,
+      {.source = point, .fall = LightFall::first, .fall_to = LightFallTo::viewer}, {.source = point},
+      under_light);
   add("light_late.pixel", fog, {.state = {{"depth.when", number(DepthWhen::late)}}},
       {.at = LightAt::none, .state = {{"depth.when", number(DepthWhen::late)}}}, under_light);
   add("light_second.pixel", fog, {.state = {{"texture1", 1}}},

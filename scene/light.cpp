@@ -12,12 +12,6 @@
 namespace bitspan {
 namespace {
 
-// Of a length that is twice the face's area.
-Vec3 area_vector(const Face& face) {
-  const auto& c = face.corner;
-  return cross(c[1].position - c[0].position, c[2].position - c[0].position);
-}
-
 bool has_normal(const Corner& corner) { return normal_of(corner) != Vec3{}; }
 
 // A place among the corners of all faces.
@@ -35,10 +29,16 @@ double brightness(const Light& light, const Vec3& normal, const Vec3& at) {
   if (!(cosine > 0)) return light.ambient;
   const double mirrored = to.z - 2 * cosine * n.z;
   const double highlight = mirrored > 0 ? std::pow(std::min(mirrored, 1.0), light.exponent) : 0;
-  return light.ambient + (1 - light.ambient - light.specular) * cosine + light.specular * highlight;
+  const double scattered = cosine / (1 + light.lunar * std::max(-n.z, 0.0));
+  return light.ambient + (1 - light.ambient - light.specular) * scattered + light.specular * highlight;
 }
 
 }  // namespace
+
+Vec3 area_vector(const Face& face) {
+  const auto& c = face.corner;
+  return cross(c[1].position - c[0].position, c[2].position - c[0].position);
+}
 
 void check_light(const LightOptions& options, const std::string& name) {
   // A direction is one only beside what the viewer looks at.
@@ -46,7 +46,14 @@ void check_light(const LightOptions& options, const std::string& name) {
                     .place = {options.place.x, options.place.y, options.place.z},
                     .ambient = options.ambient,
                     .specular = options.specular,
-                    .exponent = options.exponent};
+                    .exponent = options.exponent,
+                    .lunar = options.lunar,
+                    .reach = options.reach,
+                    .offset = options.offset};
+  if (options.reach > 0 && !options.by_unit) {
+    throw InputError(name +
+                     ".reach: no unit is there that knows the distance; expected light.at other than none");
+  }
   if (const std::string fault = light_fault(light); !fault.empty()) throw InputError(name + fault);
 }
 
@@ -110,7 +117,10 @@ Light light_of(const LightOptions& options, const Viewpoint& view, const Vec3& t
           .place = {to.x, to.y, to.z},
           .ambient = options.ambient,
           .specular = options.specular,
-          .exponent = options.exponent};
+          .exponent = options.exponent,
+          .lunar = options.lunar,
+          .reach = options.reach,
+          .offset = options.offset};
 }
 
 Light shoulder_light() { return {.place = {-0.5, -0.7, -1}, .ambient = 0.25}; }

@@ -21,11 +21,14 @@ struct LightOptions {
   bool is_point = false;  // else it is far away in that direction, seen from what the viewer looks at
   double ambient = 0.2, specular = 0;
   int exponent = 32;
+  double lunar = 0, reach = 0, offset = 0;  // as in Light
   bool by_unit = false;  // the view has the light, and the configuration forms brightness of it
 };
 // Throws InputError, whose text begins with `name`, where one is not legal.
 void check_light(const LightOptions& options, const std::string& name = "light");
 
+// Normal to the face, outward, of a length that is twice its area.
+Vec3 area_vector(const Face& face);
 // Gives the corners without a normal one: the mean of the area vectors of the faces that meet there, of those
 // that the crease does not divide from the corner's own face.
 void give_normals(std::span<Face> faces, double crease = crease_degrees);

@@ -287,7 +287,8 @@ Vec3 middle_of(const Mesh& mesh) {
 std::optional<Light> light_mesh(Mesh& mesh, const MeshOptions& options, const Viewpoint& view) {
   const bool has_texture =
       std::ranges::any_of(mesh.faces, [](const Face& face) { return face.texture >= 0; });
-  const bool is_lit = options.light || (!options.unlit && !has_texture && mesh.texture1 < 0);
+  const bool is_lit =
+      options.light || (!options.unlit && !has_texture && mesh.texture1 < 0 && !options.light_map);
   if (is_lit) {
     give_normals(mesh.faces);
     turn_to_viewer(mesh.faces, view, !options.project.cull);
@@ -377,11 +378,18 @@ Scene mesh_scene(Mesh mesh, const MeshOptions& options, ProjectReport& report) {
   scene.background = options.background;
   scene.fog = options.fog;
   scene.light = light_mesh(mesh, options, view);
+  StateChange second;
+  if (options.light_map) {
+    map_light(mesh.faces, *options.light_map);
+    mesh.texture1 = static_cast<int>(mesh.textures.size());
+    mesh.textures.push_back(light_texture(options.light_map->side));
+    second = light_map_state();
+  }
   project(mesh.faces, view, options.project, scene.triangles, report);
   scene.textures = std::move(mesh.textures);
   if (mesh.texture1 >= 0) {
-    scene.commands.push_back(
-        {.before = 0, .what = StateChange{.settings = {state_setting("texture1", mesh.texture1)}}});
+    second.settings.push_back(state_setting("texture1", mesh.texture1));
+    scene.commands.push_back({.before = 0, .what = second});
   }
   if (options.shadow) scene = shadowed(std::move(scene), mesh.faces, *options.shadow, view);
   if (options.slide) scene = with_slide(std::move(scene), *options.slide, view);

@@ -10,6 +10,7 @@
 
 #include "scene/geometry.hpp"
 #include "scene/light.hpp"
+#include "scene/light_map.hpp"
 #include "scene/project.hpp"
 #include "scene/scene.hpp"
 #include "scene/shadow.hpp"
@@ -55,6 +56,8 @@ struct MeshOptions {
   // shoulder, unless it is to be seen without light.
   std::optional<LightOptions> light;
   bool unlit = false;
+  // Light as a texture, by the second texture unit. In place of `light` and `texture1`.
+  std::optional<LightMapOptions> light_map;
   // In the coordinates of the mesh; one of them at most.
   std::optional<ShadowOptions> shadow;
   std::optional<SlideOptions> slide;

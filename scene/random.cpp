@@ -442,12 +442,16 @@ void draw_projection(Random& random, Scene& scene) {
   }
 }
 
-void draw_light(Random& random, Scene& scene, bool may_be_point) {
+LightTaken light_taken(const Config& config) {
+  return {.point = has_light_points(config), .lunar = has_lunar(config), .fall = has_light_fall(config)};
+}
+
+void draw_light(Random& random, Scene& scene, const LightTaken& takes) {
   const auto direction = [&random] {
     return Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
   };
   Light& light = scene.light.emplace();
-  light.is_point = may_be_point && random.chance(0.75);
+  light.is_point = takes.point && random.chance(0.75);
   const double size =
       light.is_point ? scene.s_max * random.log_uniform(0.01, 4) : random.log_uniform(1e-6, 1e6);
   const Vec3 place = direction() * size;
@@ -455,6 +459,11 @@ void draw_light(Random& random, Scene& scene, bool may_be_point) {
   light.ambient = unit_value(random);
   light.specular = unit_value(random) * (1 - light.ambient);
   light.exponent = static_cast<int>(random.log_uniform(1, light_exponent_limit + 0.5));
+  if (takes.lunar && random.chance(0.75)) light.lunar = random.log_uniform(0.01, light_lunar_limit);
+  if (takes.fall && random.chance(0.75)) {
+    light.reach = scene.s_max * random.log_uniform(random.chance(0.25) ? 0x1p-15 : 0.01, 4);
+    light.offset = random.chance(0.5) ? 0 : random.log_uniform(0.01, light_offset_limit);
+  }
   for (Triangle& triangle : scene.triangles) {
     if (random.chance(0.125)) continue;
     // Of a face, or of each vertex; toward the viewer more often than not.

@@ -77,8 +77,13 @@ void draw_projection(Random& random, Scene& scene);
 // Lets a scene hold translucent fragments as candidates, and resolve them, now and then.
 void draw_translucency(Random& random, Scene& scene);
 
-// Gives a scene a light, which may stand at a point, and most of its triangles normals.
-void draw_light(Random& random, Scene& scene, bool may_be_point);
+// Which lights a configuration takes besides those that are far away, do not fall and scatter by Lambert.
+struct LightTaken {
+  bool point = false, lunar = false, fall = false;
+};
+LightTaken light_taken(const Config& config);
+// Gives a scene such a light, and most of its triangles normals.
+void draw_light(Random& random, Scene& scene, const LightTaken& takes);
 
 // Lets triangles of a scene give each of given_attributes but those of projector and light with that
 // probability.

@@ -421,12 +421,14 @@ Projector read_projector(const Json& value, const Place& place, const std::strin
   return projector;
 }
 
-Light read_light(const Json& value, const Place& place, const std::string& inside) {
+// s_max: of the view, or 0 where it is not known yet.
+Light read_light(const Json& value, const Place& place, const std::string& inside, double s_max) {
   const std::string key = inside + "light";
   constexpr std::string_view expected = R"({"direction": [x,y,z]} or {"position": [x,y,z]})";
   if (!value.is_object())
     place.fail(fmt::format("{}: {} is not an object; expected {}", key, shown(value), expected));
-  check_keys(value, {"direction", "position", "ambient", "specular", "exponent"}, place, key + ".");
+  check_keys(value, {"direction", "position", "ambient", "specular", "exponent", "lunar", "reach", "offset"},
+             place, key + ".");
   Light light;
   light.is_point = value.contains("position");
   if (light.is_point == value.contains("direction")) {
@@ -442,10 +444,13 @@ Light read_light(const Json& value, const Place& place, const std::string& insid
   };
   share("ambient", light.ambient);
   share("specular", light.specular);
+  share("lunar", light.lunar);
+  share("reach", light.reach);
+  share("offset", light.offset);
   if (value.contains("exponent")) {
     light.exponent = integer(value["exponent"], 1, light_exponent_limit, place, (key + ".exponent").c_str());
   }
-  if (const std::string fault = light_fault(light); !fault.empty()) place.fail(key + fault);
+  if (const std::string fault = light_fault(light, s_max); !fault.empty()) place.fail(key + fault);
   return light;
 }
 
@@ -540,7 +545,7 @@ Scene read_header(const Json& line, const Place& place, const std::filesystem::p
   }
   if (const auto found = line.find("light"); found != line.end()) {
     if (version < 2) place.fail("light: is not legal in version 1; expected \"bitspan\": 2");
-    scene.light = read_light(*found, place, "");
+    scene.light = read_light(*found, place, "", scene.s_max);
   }
   if (const auto found = line.find("shadow"); found != line.end()) {
     if (version < 2) place.fail("shadow: is not legal in version 1; expected \"bitspan\": 2");
@@ -745,7 +750,7 @@ ViewChange read_view(const Json& value, int color_max, const Place& place) {
     }
     if (key == "light") {
       change.light.emplace();
-      if (!part.is_null()) *change.light = read_light(part, place, "view.");
+      if (!part.is_null()) *change.light = read_light(part, place, "view.", 0);
     }
   }
   return change;
@@ -955,10 +960,16 @@ Json texture_entry(const Texture& texture, const std::string& name) {
 }
 
 Json light_json(const Light& light) {
-  return {{light.is_point ? "position" : "direction", light.place},
-          {"ambient", light.ambient},
-          {"specular", light.specular},
-          {"exponent", light.exponent}};
+  Json out = {{light.is_point ? "position" : "direction", light.place},
+              {"ambient", light.ambient},
+              {"specular", light.specular},
+              {"exponent", light.exponent}};
+  if (light.lunar > 0) out["lunar"] = light.lunar;
+  if (light.reach > 0) {
+    out["reach"] = light.reach;
+    out["offset"] = light.offset;
+  }
+  return out;
 }
 
 std::string header_text(const Scene& scene, std::span<const std::string> names) {
@@ -1454,7 +1465,8 @@ void check_scene(const Scene& scene, const std::string& origin) {
     place.fail("projector.s_min: is not legal; expected 0 < s_min < s_max");
   }
   if (scene.light) {
-    if (const std::string fault = light_fault(*scene.light); !fault.empty()) place.fail("light" + fault);
+    if (const std::string fault = light_fault(*scene.light, scene.s_max); !fault.empty())
+      place.fail("light" + fault);
   }
   std::size_t least = 0;
   for (const DrawCommand& command : scene.commands) {

@@ -5,13 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "config/config.hpp"
 #include "scene/picture_size.hpp"
 
 namespace bitspan {
 
-std::string light_fault(const Light& light) {
+std::string light_fault(const Light& light, double s_max) {
   const auto is_share = [](double x) { return x >= 0 && x <= 1; };
   const auto is_zero = [](double x) { return x == 0; };
   if (!std::ranges::all_of(light.place, [](double x) { return std::isfinite(x); }) ||
@@ -26,6 +27,21 @@ std::string light_fault(const Light& light) {
   if (light.exponent < 1 || light.exponent > light_exponent_limit) {
     return fmt::format(".exponent: {} is not legal; expected a whole number 1..{}", light.exponent,
                        light_exponent_limit);
+  }
+  const auto beyond = [](double x, double most) { return !(x >= 0 && x <= most); };
+  if (beyond(light.lunar, light_lunar_limit)) {
+    return fmt::format(".lunar: is not legal; expected a number from 0 to {}", light_lunar_limit);
+  }
+  if (beyond(light.offset, light_offset_limit)) {
+    return fmt::format(".offset: is not legal; expected a number from 0 to {}", light_offset_limit);
+  }
+  if (beyond(light.reach, std::numeric_limits<double>::max())) {
+    return ".reach: is not legal; expected a number above 0, or 0 for brightness that does not fall";
+  }
+  if (light.reach > 0 && s_max > 0 &&
+      beyond(std::abs(std::log2(light.reach) - std::log2(s_max)), reach_octaves)) {
+    return fmt::format(".reach: {} is not legal; expected s_max 2^-{} to s_max 2^{}, which is {}",
+                       light.reach, reach_octaves, reach_octaves, s_max);
   }
   return {};
 }
@@ -57,7 +73,7 @@ View changed_view(View view, const ViewChange& change) {
     throw InputError("fog.distance: is not legal; expected a number above 0");
   }
   if (view.light) {
-    if (const std::string fault = light_fault(*view.light); !fault.empty()) {
+    if (const std::string fault = light_fault(*view.light, view.s_max); !fault.empty()) {
       throw InputError("light" + fault);
     }
   }

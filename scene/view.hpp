@@ -30,9 +30,17 @@ struct Light {
   double ambient = 0.2;                   // share of what reaches every surface, 0 to 1
   double specular = 0;                    // share of the highlight; the rest of 1 goes by the cosine [L1]
   int exponent = 32;                      // of the highlight [L2]
+  // k of the lunar law: what scatters is divided by 1 + k times the viewer's cosine [L3].
+  double lunar = 0;
+  // Where brightness falls with the distance d: all but the ambient share is divided by (d / reach)^a +
+  // offset [B9]. 0: it does not fall. In the unit of s.
+  double reach = 0;
+  double offset = 0;
   bool operator==(const Light&) const = default;
 };
 inline constexpr int light_exponent_limit = 200;
+inline constexpr double light_lunar_limit = 16, light_offset_limit = 64;
+inline constexpr int reach_octaves = 16;  // the reach is s_max 2^-16 to s_max 2^16
 
 struct View {
   int width = 640;
@@ -58,8 +66,8 @@ struct ViewChange {
   bool operator==(const ViewChange&) const = default;
 };
 // What is wrong with a light, behind its name: ".ambient: is not legal; expected ..."; empty where it is
-// legal.
-std::string light_fault(const Light& light);
+// legal. s_max: of its view, or 0 where the view is not known yet.
+std::string light_fault(const Light& light, double s_max = 0);
 // Throws InputError, whose text begins with the key, where the new view is not legal.
 View changed_view(View view, const ViewChange& change);
 

@@ -82,6 +82,9 @@ bool row_gradients(const Config& c) { return has_setup_gradients(c) && horizonta
 bool projects(const Config& c) { return has_project(c.project); }
 bool lights(const Config& c) { return has_light(c.light); }
 bool lights_points(const Config& c) { return has_light_points(c); }
+bool lights_lunar(const Config& c) { return has_lunar(c); }
+bool lights_fall(const Config& c) { return has_light_fall(c); }
+bool lights_divide(const Config& c) { return has_lunar(c) || has_light_fall(c); }
 bool packed_depth(const Config& c) { return has_dz(c.depth_code); }
 
 constexpr std::string_view kAlways = "always";
@@ -111,6 +114,10 @@ constexpr std::string_view kChannelPlaneRows = "channel in use, const_depth_rows
 constexpr std::string_view kProject = "project.unit = reciprocal";
 constexpr std::string_view kLight = "light.at = face, vertex, pixel";
 constexpr std::string_view kLightPoint = "light.at = face, vertex, pixel with light.source = point";
+constexpr std::string_view kLightLunar = "light.at = face, vertex, pixel with light.law = lunar";
+constexpr std::string_view kLightFall = "light.at = face, vertex, pixel with light.fall = first, second";
+constexpr std::string_view kLightDivides =
+    "light.at = face, vertex, pixel with light.law = lunar or light.fall = first, second";
 constexpr std::string_view kEnds = "delta_f, hyperbolic";
 constexpr std::string_view kDividedEnds = "delta_f, hyperbolic, slope.row = divide, reciprocal";
 
@@ -177,6 +184,9 @@ std::vector<RegisterRule> make_rules() {
       rule<F::light_value>("constants", 3, kLight, lights),
       rule<F::light_position>("constants", 3, kLightPoint, lights_points),
       rule<F::light_scale>("constants", 1, kLightPoint, lights_points),
+      rule<F::light_lunar>("constants", 1, kLightLunar, lights_lunar),
+      rule<F::light_scale>("constants", 1, kLightFall, lights_fall),
+      rule<F::light_distance>("constants", 1, kLightFall, lights_fall),
 
       // Three vertices wait for one another. s is not needed after h is formed.
       {"setup", "coordinate", 6, kAlways, always, coordinate_word},
@@ -289,6 +299,13 @@ std::vector<RegisterRule> make_rules() {
       rule<F::light_root>("light", 1, kLightPoint, lights_points),
       rule<F::light_direction>("light", 3, kLightPoint, lights_points),
       rule<F::light_cosine>("light", 2, kLight, lights),
+      rule<F::light_inverse>("light", 1, kLightDivides, lights_divide),
+      rule<F::light_lunar>("light", 1, kLightLunar, lights_lunar),
+      rule<F::light_cosine>("light", 1, kLightLunar, lights_lunar),
+      rule<F::light_position>("light", 1, kLightFall, lights_fall),
+      rule<F::light_distance>("light", 2, kLightFall, lights_fall),
+      rule<F::light_fall>("light", 1, kLightFall, lights_fall),
+      rule<F::light_value>("light", 1, kLightFall, lights_fall),
       rule<F::light_specular>("light", 1, kLight, lights),
       rule<F::light_value>("light", 1, kLight, lights),
       rule<F::texture_color>("light", 3, kLight, lights),
@@ -576,10 +593,9 @@ class Products {
     }
   }
 
-  // X / |X|; of: X.
-  void unit_vector(const std::string& of, Grid x) {
+  // The reciprocal square root of a length.
+  void root_of(const std::string& of) {
     const RootUnit& root = c_.light_root;
-    add("light", of + "." + of, x, x, 3);
     const Grid n{2, root.operand_bits, false}, inside{2, root.internal_bits, false};
     Grid y{1, root.table_bits, false};
     for (int step = 0; step < root.steps; ++step) {
@@ -589,7 +605,17 @@ class Products {
       add("light", name + "y (3 - n y y)", y, inside, 1);
       y = {1, root.internal_bits, false};
     }
+  }
+  // X / |X|; of: X.
+  void unit_vector(const std::string& of, Grid x) {
+    add("light", of + "." + of, x, x, 3);
+    root_of(of);
     add("light", of + " m", x, at(F::light_root), 3);
+  }
+  // 1 / T
+  void divided(const std::string& of) {
+    root_of(of);
+    add("light", of + ": m m", at(F::light_root), at(F::light_root), 1);
   }
   void light() {
     unit_vector("N", at(F::normal_value));
@@ -601,6 +627,22 @@ class Products {
     }
     add("light", "N.L", at(F::light_normal), at(F::light_direction), 3);
     add("light", "c Nz", at(F::light_cosine), at(F::light_normal), 1);
+    if (lights_lunar(c_)) {
+      add("light", "k Nz", at(F::light_lunar), at(F::light_normal), 1);
+      divided("1 + k Nz");
+      add("light", "c Inv", at(F::light_cosine), at(F::light_inverse), 1);
+    }
+    if (lights_fall(c_)) {
+      const Grid place = at(F::light_position);
+      const bool to_viewer = falls_to_viewer(c_.light_fall_to);
+      if (to_viewer) unit_vector("P", place);
+      add("light", "D.Unit(D)", to_viewer ? place : place - place, at(F::light_direction), 3);
+      add("light", "d w", place, at(F::light_scale), 1);
+      if (falls_by_square(c_.light_fall))
+        add("light", "d d", at(F::light_distance), at(F::light_distance), 1);
+      divided("d + K");
+      add("light", "f U", at(F::light_fall), at(F::light_value), 1);
+    }
     const int places = std::max(c_.format(F::light_cosine).fraction() - c_.light_index_bits, 1);
     add("light", "(t_j+1 - t_j) x", at(F::light_specular) - at(F::light_specular), Grid{0, places, false}, 1);
     add("light", "kd c", at(F::light_value), at(F::light_cosine), 1);

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draw a cow under a light four ways, and for two eyes.
+"""Draw a cow under lights of each kind, and for two eyes.
 
     examples/light/pictures.py BITSPAN CONFIG.toml FOLDER
 
@@ -29,10 +29,22 @@ def main() -> int:
                             "-o", str(out / f"{name}.png")], check=True, stdout=subprocess.DEVNULL)
 
         draw("light-none", base, "--unlit")
+        def with_keys(name: str, keys: str) -> pathlib.Path:
+            config = pathlib.Path(scratch) / f"{name}.toml"
+            config.write_text(base.read_text().replace("[fog]", f"{keys}\n\n[fog]", 1))
+            return config
+
         for at in ("face", "vertex", "pixel"):
-            config = pathlib.Path(scratch) / f"{at}.toml"
-            config.write_text(base.read_text().replace("[fog]", f'[light]\nat = "{at}"\nsource = "point"\n\n[fog]', 1))
-            draw(f"light-{at}", config, "--light=2,2.5,-2.5,0.15,0.4,32")
+            draw(f"light-{at}", with_keys(at, f'[light]\nat = "{at}"\nsource = "point"'), "--light=2,2.5,-2.5,0.15,0.4,32")
+        # The light is behind the viewer, as the sun is at full moon.
+        moon = with_keys("moon", '[light]\nat = "pixel"\nlaw = "lunar"')
+        draw("light-lambert", moon, "--light=4.7,3.4,-8.1,0.05,0,1")
+        draw("light-lunar", moon, "--light=4.7,3.4,-8.1,0.05,0,1,3")
+        draw("light-falls", with_keys("falls", '[light]\nat = "pixel"\nsource = "point"\nfall = "second"'),
+             "--light=0.9,1.1,-1.2,0,0,1,0,0.9,0")
+        mapped = pathlib.Path(scratch) / "mapped.toml"
+        mapped.write_text(base.read_text().replace("wrap = ", 'second = "own"\nwrap = ', 1))
+        draw("light-map", mapped, "--light-map=0.9,1.1,-1.2,0.9")
         draw("stereo-anaglyph", base, "--stereo", "anaglyph", "--parallax", "9")
         draw("stereo-depth", base, "--stereo", "pair", "--stereo-by", "depth", "--parallax", "9")
     return 0

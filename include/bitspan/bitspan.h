@@ -39,7 +39,7 @@ extern "C" {
 #endif
 
 /* Grows with every addition to this file; bs_abi_version() tells the library's. */
-#define BS_ABI_VERSION 8
+#define BS_ABI_VERSION 9
 
 typedef int32_t bs_status;
 enum {
@@ -181,12 +181,18 @@ typedef struct bs_scene_desc {
   double light[3];        /* default 0, 0, -1: at the viewer */
   double light_ambient;   /* share of what reaches every surface, 0 to 1; default 0.2 */
   double light_specular;  /* share of the highlight, 0 to 1 with ambient; default 0 */
+  /* k of the lunar law, 0 to 16, where light.law is lunar; default 0: the cosine alone. */
+  double light_lunar;
+  /* Where light.fall is first or second: all but the ambient share is divided by (d / reach)^a + offset. 0,
+   * the default: brightness does not fall. In the unit of s, s_max 2^-16 to s_max 2^16; the offset is 0
+   * to 64. */
+  double light_reach, light_offset;
 } bs_scene_desc;
 
 #define BS_SCENE_DESC_INIT                                                                                  \
   {                                                                                                         \
     sizeof(bs_scene_desc), 640, 480, 1.0, 1000.0, 500.0, {0, 0, 0}, 0, {0, 0, 0}, 0, 1.0, NULL, 0, NULL, 0, \
-        0, 1.0, 1000.0, 0, 32, {0.0, 0.0, -1.0}, 0.2, 0.0                                                   \
+        0, 1.0, 1000.0, 0, 32, {0.0, 0.0, -1.0}, 0.2, 0.0, 0.0, 0.0, 0.0                                    \
   }
 
 /* A corner of a triangle. BS_VERTEX_INIT has the defaults. */

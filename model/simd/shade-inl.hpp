@@ -916,19 +916,19 @@ void brighten_block(const Pipeline& pipeline, const FragmentBlock<T>& block, int
     const VectorOf<Lanes> n{at(block.channel[normals] + k), at(block.channel[normals + 1] + k),
                             at(block.channel[normals + 2] + k)};
     Lanes x(0), y(0), s(0);
-    if (light.is_point) {
+    if (light.takes_place) {
       const Lanes pixel = at(block.pixel + k);
       y = to_int(hn::Div(to_double(pixel), wide));  // exact: both have 31 bits at most
       x = pixel - y * Lanes(width);
       s = distance_point<Lanes>(pipeline.distance, at(block.h + k), watch).s;
     }
     const auto from_here = [&]<class Product>() HWY_ATTR {
-      return direction_from<Lanes, WideLanes, Product>(light, (x << 1) + Lanes(1), (y << 1) + Lanes(1), 1, s,
-                                                       light.pixel_s.fraction, watch);
+      return toward_light<Lanes, WideLanes, Product>(light, (x << 1) + Lanes(1), (y << 1) + Lanes(1), 1, s,
+                                                     light.pixel_s.fraction, watch);
     };
-    const VectorOf<Lanes> direction = light.places_fit_int64 ? from_here.template operator()<Lanes>()
-                                                             : from_here.template operator()<WideLanes>();
-    store_as(out + k, shine<Lanes, Wide>(light, n, direction, watch).value);
+    const TowardOf<Lanes> toward = light.places_fit_int64 ? from_here.template operator()<Lanes>()
+                                                          : from_here.template operator()<WideLanes>();
+    store_as(out + k, shine<Lanes, Wide>(light, n, toward, watch).value);
   }
 }
 

@@ -181,6 +181,29 @@ bool fits_brightness(const Config& c) {
   const Grid both = normal * direction;
   const Grid specular = of(F::light_specular), value = of(F::light_value);
   const Grid within{1, std::max(cosine.fraction - c.light_index_bits, 0), true};
+  // The shift of what Inv multiplies differs from lane to lane, too.
+  const auto divides = [&](Grid x, Grid by, F into) {
+    const Grid near = scaled(x, -(by.fraction + 1));
+    return held_in(64, c.format(into)) && x.bits() <= 61 &&
+           aligned(near, c.format(into).fraction()).bits() <= 61;
+  };
+  const Grid inverse = of(F::light_inverse), distance = of(F::light_distance);
+  if (has_lunar(c) || has_light_fall(c)) {
+    fit = fit && narrows(of(F::light_root) * of(F::light_root), F::light_inverse);
+  }
+  if (has_lunar(c)) {
+    fit = fit && narrows(Grid{1, 0, true} + of(F::light_lunar) * normal, F::light_lunar) &&
+          divides(cosine * inverse, of(F::light_lunar), F::light_cosine);
+  }
+  if (has_light_fall(c)) {
+    const Grid place = of(F::light_position);
+    const Grid part = (place - place) * direction;
+    fit = fit && narrows(part + part + part, F::light_position) &&
+          divides(place * of(F::light_scale), Grid{0, reach_octaves, false}, F::light_distance) &&
+          narrows(distance * distance + distance, F::light_distance) &&
+          divides(inverse, distance, F::light_fall) &&
+          narrows(value * of(F::light_fall) + value, F::light_value);
+  }
   return fit && held_in(64, c.format(F::light_direction)) && narrows(both + both + both, F::light_cosine) &&
          narrows(direction - scaled(cosine * normal, -1), F::light_cosine) &&
          narrows(specular + (specular - specular) * within, F::light_specular) &&

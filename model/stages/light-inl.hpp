@@ -23,15 +23,49 @@ HWY_INLINE ValueOf<Int> lit(const LightStage& stage, ValueOf<Int> color, ValueOf
 template <class V>
 using VectorOf = std::array<V, 3>;
 
-// The direction from a point of the view to the light; x and y from the left and from the top, in 2^-fraction
-// pixels. Wide: what the square of its length fits; Product: what the place across is rounded from.
-template <class Int, class Wide, class Product, class Watch>
-HWY_INLINE VectorOf<ValueOf<Int>> direction_from(const LightStage& stage, ValueOf<Int> x, ValueOf<Int> y,
-                                                 int fraction, ValueOf<Int> s, int s_fraction, Watch watch) {
+// 1 / (t 2^-fraction) = v 2^-(fraction of light.inverse + e); t = 0 is taken as 1.
+template <class V>
+struct DividedOf {
+  V v, e;
+};
+template <class Int, class Watch>
+HWY_INLINE DividedOf<ValueOf<Int>> inverse_of(const LightStage& stage, ValueOf<Int> t, int fraction,
+                                              Watch watch) {
+  const auto root = reciprocal_root<Int>(stage.root, Int(max(t, ValueOf<Int>(1))), fraction, watch);
+  return {quantize(times<Int>(root.m, root.m), 2 * stage.root.output.fraction, stage.inverse, watch),
+          root.e << 1};
+}
+
+// What the length of x leaves of a brightness; unit: x, of length 1.
+template <class Int, class Watch>
+HWY_INLINE ValueOf<Int> fall_along(const LightStage& stage, const VectorOf<ValueOf<Int>>& x,
+                                   const VectorOf<ValueOf<Int>>& unit, Watch watch) {
   using V = ValueOf<Int>;
-  if (!stage.is_point) {
-    return {V(stage.far_direction[0]), V(stage.far_direction[1]), V(stage.far_direction[2])};
-  }
+  const V d = quantize(times<Int>(x[0], unit[0]) + times<Int>(x[1], unit[1]) + times<Int>(x[2], unit[2]),
+                       stage.position.fraction + stage.direction.fraction, stage.position, watch);
+  const int grid = stage.distance.fraction;
+  const V reached = quantize(Int(d) * constant<Int>(stage.per_reach.raw),
+                             stage.position.fraction + stage.per_reach.fraction, stage.distance, watch);
+  const V t = stage.by_square ? quantize(times<Int>(reached, reached) + (Int(V(stage.offset)) << grid),
+                                         2 * grid, stage.distance, watch)
+                              : quantize(Int(reached) + Int(V(stage.offset)), grid, stage.distance, watch);
+  const auto inverse = inverse_of<Int>(stage, t, grid, watch);
+  return quantize(Int(inverse.v), inverse.e + V(stage.inverse.fraction), stage.fall, watch);
+}
+
+template <class V>
+struct TowardOf {
+  VectorOf<V> direction;
+  V fall;  // where brightness falls
+};
+// From a point of the view to the light; x and y from the left and from the top, in 2^-fraction pixels.
+// Wide: what the square of its length fits; Product: what the place across is rounded from.
+template <class Int, class Wide, class Product, class Watch>
+HWY_INLINE TowardOf<ValueOf<Int>> toward_light(const LightStage& stage, ValueOf<Int> x, ValueOf<Int> y,
+                                               int fraction, ValueOf<Int> s, int s_fraction, Watch watch) {
+  using V = ValueOf<Int>;
+  const VectorOf<V> far{V(stage.far_direction[0]), V(stage.far_direction[1]), V(stage.far_direction[2])};
+  if (!stage.takes_place) return {far, V(0)};
   // The picture's middle lies at halves of a pixel.
   const int grid = std::max(fraction, 1);
   const auto across = [&](V at, std::int64_t size) HWY_ATTR {
@@ -39,12 +73,19 @@ HWY_INLINE VectorOf<ValueOf<Int>> direction_from(const LightStage& stage, ValueO
     const auto product = product_in<Product>(from_middle * constant<Int>(stage.scale.raw), s);
     return quantize(product, grid + stage.scale.fraction + s_fraction, stage.position, watch);
   };
-  const V here_x = across(x, stage.width);
-  const V here_y = across(y, stage.height);
-  const V here_z = quantize(Int(s), s_fraction, stage.position, watch);
-  return of_length_1<Int, Wide>(
-      stage.root, {V(stage.place[0]) - here_x, V(stage.place[1]) - here_y, V(stage.place[2]) - here_z},
-      stage.position.fraction, stage.direction, watch);
+  const VectorOf<V> here{across(x, stage.width), across(y, stage.height),
+                         quantize(Int(s), s_fraction, stage.position, watch)};
+  const VectorOf<V> from_here{V(stage.place[0]) - here[0], V(stage.place[1]) - here[1],
+                              V(stage.place[2]) - here[2]};
+  const auto unit = [&](const VectorOf<V>& of) HWY_ATTR {
+    return of_length_1<Int, Wide>(stage.root, of, stage.position.fraction, stage.direction, watch);
+  };
+  TowardOf<V> out{stage.is_point ? unit(from_here) : far, V(0)};
+  if (stage.falls) {
+    out.fall = stage.to_viewer ? fall_along<Int>(stage, here, unit(here), watch)
+                               : fall_along<Int>(stage, from_here, out.direction, watch);
+  }
+  return out;
 }
 
 // The power of a cosine that is not below 0.
@@ -64,16 +105,30 @@ HWY_INLINE ValueOf<Int> highlight_of(const LightStage& stage, ValueOf<Int> cosin
 
 template <class V>
 struct ShineOf {
-  VectorOf<V> normal, direction;
+  VectorOf<V> normal;
   V cosine, mirrored, specular, value;
 };
+
+// The cosine of a surface that is lit, divided by the lunar law.
+template <class Int, class Watch>
+HWY_INLINE ValueOf<Int> lunar_cosine(const LightStage& stage, ValueOf<Int> cosine, ValueOf<Int> normal_z,
+                                     Watch watch) {
+  using V = ValueOf<Int>;
+  const int grid = stage.lunar.fraction + stage.normal.fraction;
+  const V to_viewer = max(V(0) - normal_z, V(0));
+  const V t = quantize((constant<Int>(1) << grid) + times<Int>(V(stage.lunar_k), to_viewer), grid,
+                       stage.lunar, watch);
+  const auto inverse = inverse_of<Int>(stage, t, stage.lunar.fraction, watch);
+  return quantize(times<Int>(cosine, inverse.v),
+                  inverse.e + V(stage.cosine.fraction + stage.inverse.fraction), stage.cosine, watch);
+}
 // n: raw, normal.value. Wide: what the square of its length fits.
 template <class Int, class Wide, class Watch>
 HWY_INLINE ShineOf<ValueOf<Int>> shine(const LightStage& stage, const VectorOf<ValueOf<Int>>& n,
-                                       const VectorOf<ValueOf<Int>>& direction, Watch watch) {
+                                       const TowardOf<ValueOf<Int>>& toward, Watch watch) {
   using V = ValueOf<Int>;
   ShineOf<V> out;
-  out.direction = direction;
+  const VectorOf<V>& direction = toward.direction;
   out.normal = of_length_1<Int, Wide>(stage.root, n, stage.given_normal.fraction, stage.normal, watch);
   const auto share = [&](std::size_t i) HWY_ATTR { return times<Int>(out.normal[i], direction[i]); };
   out.cosine = quantize(share(0) + share(1) + share(2), stage.normal.fraction + stage.direction.fraction,
@@ -90,12 +145,20 @@ HWY_INLINE ShineOf<ValueOf<Int>> shine(const LightStage& stage, const VectorOf<V
   if (any(shines)) {
     out.specular = select(shines, highlight_of<Int>(stage, max(out.mirrored, V(0)), watch), V(0));
   }
+  V scattered = max(out.cosine, V(0));
+  if (stage.is_lunar) scattered = lunar_cosine<Int>(stage, scattered, out.normal[2], watch);
   const int sum_grid = std::max(stage.cosine.fraction, stage.specular.fraction);
   const Int sum =
-      (constant<Int>(stage.ambient) << sum_grid) +
-      ((constant<Int>(stage.diffuse) * Int(max(out.cosine, V(0)))) << (sum_grid - stage.cosine.fraction)) +
+      ((constant<Int>(stage.diffuse) * Int(scattered)) << (sum_grid - stage.cosine.fraction)) +
       ((constant<Int>(stage.highlight) * Int(out.specular)) << (sum_grid - stage.specular.fraction));
-  out.value = quantize(sum, stage.value.fraction + sum_grid, stage.value, watch);
+  const Int ambient = constant<Int>(stage.ambient);
+  if (stage.falls) {
+    const V near = quantize(sum, stage.value.fraction + sum_grid, stage.value, watch);
+    out.value = quantize(times<Int>(near, toward.fall) + (ambient << stage.fall.fraction),
+                         stage.value.fraction + stage.fall.fraction, stage.value, watch);
+  } else {
+    out.value = quantize(sum + (ambient << sum_grid), stage.value.fraction + sum_grid, stage.value, watch);
+  }
   return out;
 }
 

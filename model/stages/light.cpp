@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model/stages/light.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -47,13 +49,26 @@ LightStage prepare_light(const Config& config, const Constants& constants, const
   s.color = make_register(config, FormatId::texture_color);
   if (!has_light(config.light) || !scene.light) return s;
   const Light& light = *scene.light;
+  const auto refuse = [&](const char* what, const char* key, const char* has, const char* expected) {
+    throw InputError(fmt::format("scene '{}': its light {}, and {} is {}; expected {}", scene.name, what, key,
+                                 has, expected));
+  };
   if (light.is_point && !has_points(config.light_source)) {
-    throw InputError("scene '" + scene.name +
-                     "': its light stands at a point, and light.source is parallel; expected point, or a "
-                     "light with a direction");
+    refuse("stands at a point", "light.source", "parallel", "point, or a light with a direction");
+  }
+  if (light.lunar > 0 && !has_lunar(config)) {
+    refuse("has the lunar law", "light.law", "lambert", "lunar, or a light without it");
+  }
+  if (light.reach > 0 && !has_light_fall(config)) {
+    refuse("falls with the distance", "light.fall", "none", "first or second, or a light without a reach");
   }
   s.is_on = true;
   s.is_point = light.is_point;
+  s.is_lunar = light.lunar > 0;
+  s.to_viewer = falls_to_viewer(config.light_fall_to);
+  s.falls = light.reach > 0 && (light.is_point || s.to_viewer);
+  s.by_square = falls_by_square(config.light_fall);
+  s.takes_place = light.is_point || s.falls;
   s.root = ReciprocalRoot(config);
   s.given_normal = make_register(config, FormatId::normal_value);
   s.position = make_register(config, FormatId::light_position);
@@ -61,23 +76,31 @@ LightStage prepare_light(const Config& config, const Constants& constants, const
   s.direction = make_register(config, FormatId::light_direction);
   s.cosine = make_register(config, FormatId::light_cosine);
   s.specular = make_register(config, FormatId::light_specular);
+  s.inverse = make_register(config, FormatId::light_inverse);
+  s.lunar = make_register(config, FormatId::light_lunar);
+  s.distance = make_register(config, FormatId::light_distance);
+  s.fall = make_register(config, FormatId::light_fall);
   s.coordinate = make_register(config.coordinate_format(), RegisterId::coordinate);
   s.vertex_s = make_register(config, FormatId::setup_s);
   s.pixel_s = make_register(config, FormatId::distance_s);
   s.exponent = constants.exponent;
   s.width = scene.width;
   s.height = scene.height;
+  const Register scale = make_register(config, FormatId::light_scale);
+  const auto inverse_of = [&](double x) {
+    const int octaves = ceil_log2(x);
+    return scaled(value_of(quantize_ratio({1, -octaves}, exact_of(x), scale, watch), scale), octaves);
+  };
   int down = s.exponent;
-  if (light.is_point) {
-    const int octaves = ceil_log2(scene.focal);
-    const Register r = make_register(config, FormatId::light_scale);
-    s.scale = scaled(value_of(quantize_ratio({1, -octaves}, exact_of(scene.focal), r, watch), r), octaves);
+  if (s.takes_place) {
+    s.scale = inverse_of(scene.focal);
     // Halves of a pixel from the middle are fewer than the pixels of a side.
     const int across = bit_length(static_cast<std::uint64_t>(std::max(scene.width, scene.height)));
     const int bits = across + bit_length(static_cast<uint128>(s.scale.raw)) + s.pixel_s.word;
     const int up = s.position.fraction - (1 + s.scale.fraction + s.pixel_s.fraction);
     s.places_fit_int64 = bits + std::max(up, 0) <= 61;
-  } else {
+  }
+  if (!light.is_point) {
     const auto size = [](double x) { return std::abs(x); };
     down = ceil_log2(size(*std::ranges::max_element(light.place, {}, size)));
   }
@@ -92,6 +115,11 @@ LightStage prepare_light(const Config& config, const Constants& constants, const
   s.highlight = quantize(exact_of(light.specular), s.value, watch);
   s.diffuse =
       quantize(Exact{1, 0} - value_of(s.ambient, s.value) - value_of(s.highlight, s.value), s.value, watch);
+  s.lunar_k = quantize(exact_of(light.lunar), s.lunar, watch);
+  if (s.falls) {
+    s.per_reach = scaled(inverse_of(light.reach), -s.exponent);
+    s.offset = quantize(exact_of(light.offset), s.distance, watch);
+  }
   s.index_bits = config.light_index_bits;
   for (std::int64_t j = 0; j <= std::int64_t{1} << s.index_bits; ++j) {
     s.table.push_back(power_of(j, s.index_bits, light.exponent, s.specular, watch));
@@ -105,11 +133,11 @@ std::int64_t light_at(const LightStage& stage, const Vertex& v, const Register& 
   const std::int64_t s = quantize(scaled(exact_of(v.s), stage.exponent), stage.vertex_s, watch);
   const std::int64_t x = at(v.x);
   const std::int64_t y = at(v.y);
-  const auto direction = text::direction_from<int128, int128, int128>(stage, x, y, stage.coordinate.fraction,
-                                                                      s, stage.vertex_s.fraction, watch);
+  const auto toward = text::toward_light<int128, int128, int128>(stage, x, y, stage.coordinate.fraction, s,
+                                                                 stage.vertex_s.fraction, watch);
   const auto normal = [&](double w) { return quantize(exact_of(w), stage.given_normal, watch); };
   const auto shone =
-      text::shine<int128, int128>(stage, {normal(v.nx), normal(v.ny), normal(v.nz)}, direction, watch);
+      text::shine<int128, int128>(stage, {normal(v.nx), normal(v.ny), normal(v.nz)}, toward, watch);
   return quantize(value_of(shone.value, stage.value), vertex, watch);
 }
 
@@ -121,15 +149,15 @@ void brighten(const LightStage& stage, const FragmentRecord& fragment, const Dis
   out.x = fragment.x;
   out.y = fragment.y;
   if (stage.at_pixels) {
-    const auto direction = text::direction_from<int128, int128, int128>(
+    const auto toward = text::toward_light<int128, int128, int128>(
         stage, 2 * fragment.x + 1, 2 * fragment.y + 1, 1, distance.s, stage.pixel_s.fraction, watch);
-    const auto shone = text::shine<int128, int128>(stage, channels.normal, direction, watch);
+    const auto shone = text::shine<int128, int128>(stage, channels.normal, toward, watch);
     out.nx = shone.normal[0];
     out.ny = shone.normal[1];
     out.nz = shone.normal[2];
-    out.lx = shone.direction[0];
-    out.ly = shone.direction[1];
-    out.lz = shone.direction[2];
+    out.lx = toward.direction[0];
+    out.ly = toward.direction[1];
+    out.lz = toward.direction[2];
     out.cosine = shone.cosine;
     out.mirrored = shone.mirrored;
     out.specular = shone.specular;

@@ -19,11 +19,17 @@ struct LightStage {
   bool is_on = false;  // the configuration has the stage, and the view a light
   bool at_pixels = false, at_faces = false;
   bool is_point = false;
+  bool is_lunar = false;
+  bool falls = false, by_square = false, to_viewer = false;  // with a distance, to that
+  bool takes_place = false;                                  // of what is lit
   ReciprocalRoot root;
   Register given_normal, position, normal, direction, cosine, specular, value, color;
+  Register inverse, lunar, distance, fall;
   Register coordinate, vertex_s, pixel_s;
   int exponent = 0;                                      // E: distances are divided by 2^E
   Exact scale;                                           // 1 / F
+  Exact per_reach;                                       // 1 / reach
+  std::int64_t offset = 0, lunar_k = 0;                  // raw, light.distance and light.lunar
   std::int64_t width = 0, height = 0;                    // of the picture
   std::array<std::int64_t, 3> place{};                   // raw, light.position: of a point
   bool places_fit_int64 = false;                         // of pixels: the products that they are rounded from

@@ -65,6 +65,10 @@ class Light:
     ambient    share of what reaches every surface, 0 to 1
     specular   share of the highlight, 0 to 1 with ambient
     exponent   of the highlight, 1 to 200
+    lunar      k of the lunar law, 0 to 16, where light.law is lunar
+    reach      where light.fall is first or second: all but the ambient share is divided by (d / reach)^a + offset [unit of s];
+               0: brightness does not fall
+    offset     0 to 64
     """
 
     direction: Sequence[float] | None = None
@@ -72,23 +76,26 @@ class Light:
     ambient: float = 0.2
     specular: float = 0.0
     exponent: int = 32
+    lunar: float = 0.0
+    reach: float = 0.0
+    offset: float = 0.0
 
-    def _given(self) -> tuple[int, list[float], float, float, int]:
+    def _given(self) -> tuple[int, list[float], list[float], int]:
         if (self.direction is None) == (self.position is None):
             raise InputError("light: has both or neither of direction and position; expected one of them")
         try:
             place = [float(part) for part in (self.direction if self.position is None else self.position) or ()]
-            shares = float(self.ambient), float(self.specular)
+            numbers = [float(n) for n in (self.ambient, self.specular, self.lunar, self.reach, self.offset)]
         except (TypeError, ValueError) as error:
             raise InputError(f"light: {error}; expected numbers") from None
         if len(place) != 3:
             raise InputError(f"light: has {len(place)} coordinates; expected three")
-        return 1 if self.position is None else 2, place, *shares, _integer("light.exponent", self.exponent)
+        return 1 if self.position is None else 2, place, numbers, _integer("light.exponent", self.exponent)
 
     def _json(self) -> dict[str, Any]:
-        _, place, ambient, specular, exponent = self._given()
-        return {"direction" if self.position is None else "position": place, "ambient": ambient, "specular": specular,
-                "exponent": exponent}
+        _, place, numbers, exponent = self._given()
+        return {"direction" if self.position is None else "position": place, "exponent": exponent,
+                **dict(zip(("ambient", "specular", "lunar", "reach", "offset"), numbers))}
 
 
 def _texture(i: int, texture: Any) -> Any:

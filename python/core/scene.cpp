@@ -26,13 +26,14 @@ static_assert(sizeof(bs_vertex) == sizeof(std::size_t) + columns * sizeof(double
 
 using Rgb = std::array<std::uint8_t, 3>;
 
-SceneHandle make(const nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>& vertices,
-                 const Indices& texture_of, const std::vector<std::variant<Bytes, Formatted>>& textures,
-                 std::int32_t width, std::int32_t height, const std::pair<double, double>& s_range,
-                 double focal, const Rgb& background, const std::optional<std::pair<Rgb, double>>& fog,
-                 const std::optional<std::pair<double, double>>& projector,
-                 const std::optional<std::tuple<int, std::array<double, 3>, double, double, int>>& light,
-                 std::string name) {
+SceneHandle make(
+    const nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>& vertices,
+    const Indices& texture_of, const std::vector<std::variant<Bytes, Formatted>>& textures,
+    std::int32_t width, std::int32_t height, const std::pair<double, double>& s_range, double focal,
+    const Rgb& background, const std::optional<std::pair<Rgb, double>>& fog,
+    const std::optional<std::pair<double, double>>& projector,
+    const std::optional<std::tuple<int, std::array<double, 3>, std::array<double, 5>, int>>& light,
+    std::string name) {
   bs_scene_desc desc = BS_SCENE_DESC_INIT;
   desc.width = width;
   desc.height = height;
@@ -51,12 +52,15 @@ SceneHandle make(const nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::
     desc.projector_s_max = projector->second;
   }
   if (light) {
-    const auto& [kind, place, ambient, specular, exponent] = *light;
+    const auto& [kind, place, numbers, exponent] = *light;
     desc.light_kind = kind;
     desc.light_exponent = exponent;
     std::ranges::copy(place, desc.light);
-    desc.light_ambient = ambient;
-    desc.light_specular = specular;
+    desc.light_ambient = numbers[0];
+    desc.light_specular = numbers[1];
+    desc.light_lunar = numbers[2];
+    desc.light_reach = numbers[3];
+    desc.light_offset = numbers[4];
   }
   return SceneHandle::make(vertices, texture_of, textures, desc, std::move(name));
 }

@@ -515,6 +515,29 @@ TEST_F(Cli, AMeshHasALight) {
   EXPECT_EQ(unit.code, 0) << unit.err;
   EXPECT_NE(folder.read("unit/near_bitspan.f").find("near_light.sv"), std::string::npos);
   EXPECT_NE(folder.read("unit/near_light.sv").find("near_bitspan_light_pkg::"), std::string::npos);
+  // The lunar law, a light that falls, and one that is a texture.
+  std::string all = toml;
+  all.insert(all.find("source = "), "law = \"lunar\"\nfall = \"second\"\n");
+  folder.write("l.toml", all);
+  std::string own = run("config show --toml depth16").out;
+  folder.write("t.toml", own.insert(own.find("wrap = "), "second = \"own\"\n"));
+  for (const std::string rest :
+       {" --config l.toml --light=3,5,-4,0.1,0.2,24,2", " --config l.toml --light=3,5,-4,0.1,0.2,24,2,6,0.5",
+        " --light=3,5,-4,0.1,0.2,24,2", " --config t.toml --light-map=1,2,-2,2"}) {
+    const Result r = run("verify " + spot + rest + " --engines golden,model,systemc");
+    EXPECT_EQ(r.code, 0) << rest << r.out << r.err;
+    ASSERT_EQ(run("render " + spot + rest + " -o a.png").code, 0) << rest;
+    EXPECT_TRUE(pictures.insert(folder.read("a.png")).second) << rest;
+  }
+  refused("render " + spot + " --config p.toml --light=3,5,-4,0.1,0.2,24,2 -o x.png", "light.law is lambert");
+  refused("render " + spot + " --config p.toml --light=3,5,-4,0,0,24,0,6,0 -o x.png", "light.fall is none");
+  refused("render " + spot + " --light=3,5,-4,0,0,24,0,6,0 -o x.png", "--light.reach: ");
+  refused("render " + spot + " --light=3,5,-4,0,0,24,0,6 -o x.png", "--light: '3,5,-4,0,0,24,0,6' is not");
+  refused("render " + spot + " --light-map=1,2,-2,2 -o x.png", "expected one with texture.second");
+  refused("render " + spot + " --config t.toml --light-map=1,2,-2,0 -o x.png", "--light-map: a reach of 0");
+  refused("render " + spot + " --config t.toml --light-map=1,2,-2,1 --light=1,2,3 -o x.png",
+          "expected no --light beside it");
+  refused("render demo --config t.toml --light-map=1,2,3,1 -o x.png", "--light-map is for meshes");
   refused("render " + spot + " --light 1,2 -o x.png", "--light: ");
   refused("render " + spot + " --light=1,2,3,0.5,0.6,8 -o x.png", "--light.specular: is not legal");
   refused("render " + spot + " --light=1,2,3,0.5,0.1,8.5 -o x.png", "--light: the exponent 8.5 is not legal");

@@ -84,7 +84,7 @@ class Rows(unittest.TestCase):
             ("| C2 | forward differences: polynomials by adders alone | S |\n", "", "C2: no line"),
             ("| ST1 |", "| ST2 |", "ST2: stands twice"),
             ("perspective by adders and one reciprocal per pixel (delta-f)", " ", "T1: 6 cells, not all of 6 are filled"),
-            ("| L3 | lunar model | S |", "| L3 | lunar model | X |", "L3: no such role: X"),
+            ("| V1 | Y-buffer for height fields | O |", "| V1 | Y-buffer for height fields | X |", "V1: no such role: X"),
             ("(numeric-spec.md#merge)", "(numeric-spec.md#blend)", "T5: no such heading: [merge](numeric-spec.md#blend)"),
             ("[span](numeric-spec.md#span)", "[span](numeric.md#span)", "N3: no such page: [span](numeric.md#span)"),
             ("`Merge.TranslucentBlends`", "`Merge.Blends`", "T5: no such test: `tests/stages/merge_test.cpp` `Merge.Blends`"),

@@ -171,7 +171,7 @@ TEST(Frozen, Light) {
   }
   Scene scene = random_scene(75);
   Random random(75);
-  draw_light(random, scene, false);
+  draw_light(random, scene, {});
   check_all("light", configs, {scene});
 }
 // Candidates that pixels hold, and resolves.

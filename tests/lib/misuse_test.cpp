@@ -373,6 +373,10 @@ TEST(LibMisuse, BadLights) {
   refused([](bs_scene_desc& d) { d.light_ambient = std::nan(""); }, "light.ambient: is not legal");
   refused([](bs_scene_desc& d) { d.light_specular = 0.9; }, "light.specular: is not legal");
   refused([](bs_scene_desc& d) { d.light_exponent = 0; }, "light.exponent: 0 is not legal");
+  refused([](bs_scene_desc& d) { d.light_lunar = 17; }, "light.lunar: is not legal");
+  refused([](bs_scene_desc& d) { d.light_reach = -1; }, "light.reach: is not legal");
+  refused([](bs_scene_desc& d) { d.light_reach = 1e9; }, "light.reach: 1000000000 is not legal");
+  refused([](bs_scene_desc& d) { d.light_offset = NAN; }, "light.offset: is not legal");
   refused([](bs_scene_desc& d) { d.light_kind = 2; }, "its light stands at a point");
   bs_scene_desc desc = good;
   desc.light_kind = 1;

@@ -99,6 +99,9 @@ struct Described {
       for (std::size_t i = 0; i < 3; ++i) desc.light[i] = s.light->place[i];
       desc.light_ambient = s.light->ambient;
       desc.light_specular = s.light->specular;
+      desc.light_lunar = s.light->lunar;
+      desc.light_reach = s.light->reach;
+      desc.light_offset = s.light->offset;
     }
     desc.textures = textures.data();
     desc.texture_count = textures.size();

@@ -218,6 +218,15 @@ class Scenes(unittest.TestCase):
             model.view(light=bitspan.Light(direction=(0, 0, 1), ambient=0.2))
             model.draw(scene)
             self.assertEqual(np.array(model.plane("color"))[12, 12, 0], 51)
+        # Beside the light, by a quarter of the brightness at the reach.
+        falling = config.with_({"light.source": "point", "light.law": "lunar", "light.fall": "second"})
+        lamp = bitspan.Light(position=(0, 0, 0), ambient=0.0, lunar=1.0, reach=5.0, offset=1.0)
+        scene = bitspan.Scene.from_vertices(corners, 64, 64, light=lamp)
+        with bitspan.Model(falling) as model:
+            model.begin(scene)
+            model.draw(scene)
+            self.assertEqual(np.array(model.plane("color"))[32, 31, 0], 64)
+            model.view(light=lamp)
         for bad in (bitspan.Light(), bitspan.Light((0, 0, 1), (0, 0, 1)), bitspan.Light((0, 0)), bitspan.Light(("a", 0, 1)),
                     bitspan.Light((0, 0, 1), ambient=2), bitspan.Light((0, 0, 0)), bitspan.Light((0, 0, 1), exponent=0)):
             with self.assertRaises(bitspan.InputError):

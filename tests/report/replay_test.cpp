@@ -28,7 +28,7 @@ Replay sample() {
   }
   Random given(3);
   draw_given_attributes(given, r.scene, 0.5);
-  draw_light(given, r.scene, true);
+  draw_light(given, r.scene, {.point = true, .lunar = true, .fall = true});
   r.scene.projector = Projector{0.1, 1 / 3.0};
   for (double Attributes::*const member :
        {&Attributes::project_x, &Attributes::project_y, &Attributes::project_w}) {

@@ -86,7 +86,7 @@ std::vector<DrawnRun> runs() {
       config.light_source = LightSource::point;
       Scene lit = scene;
       Random random(13);
-      draw_light(random, lit, true);
+      draw_light(random, lit, {.point = true});
       const auto engine = entry.make(config, {});
       DrawnRun& run = out.emplace_back();
       run.name = std::string(entry.name) + " with a light at " + std::string(to_string(at));

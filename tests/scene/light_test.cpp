@@ -198,6 +198,13 @@ TEST(MeshLight, TheUnitHasTheLightInTheViewersSpace) {
   for (const Triangle& t : seen(path, options).triangles) {
     for (const Vertex& v : t.v) EXPECT_NEAR(v.c[1], 0.125 + 0.875 * std::sqrt(0.5), 1e-12);
   }
+  options.light->lunar = 3;
+  for (const Triangle& t : seen(path, options).triangles) {
+    for (const Vertex& v : t.v) EXPECT_NEAR(v.c[1], 0.125 + 0.875 * std::sqrt(0.5) / 4, 1e-12);
+  }
+  options.light->reach = 1;
+  EXPECT_TRUE(names(input_error([&] { seen(path, options); }), "light.reach: "));
+  options.light->reach = 0;
   options.light->place = {0, 0, 0};
   EXPECT_TRUE(names(input_error([&] { seen(path, options); }), "light: stands at what the viewer looks at"));
   options.light->ambient = 2;
@@ -213,7 +220,8 @@ const std::string corners = R"({"v": [[0,0,1,0,0],[8,0,2,0,0],[0,8,3,0,0]])";
 TEST(LightStream, ComesBack) {
   const std::string text =
       header +
-      R"(, "light": {"position": [1, -2.5, 3e-7], "ambient": 0.1, "specular": 0.3, "exponent": 9}})"
+      R"(, "light": {"position": [1, -2.5, 3e-7], "ambient": 0.1, "specular": 0.3, "exponent": 9,)"
+      R"( "lunar": 0.7, "reach": 4.5, "offset": 0.1}})"
       "\n" +
       corners +
       R"(, "nx": [0,0.25,1], "nz": [-1,-1,0]})"
@@ -225,9 +233,14 @@ TEST(LightStream, ComesBack) {
       "\n" +
       corners + "}\n";
   const Scene scene = parse_tri(text, "x.tri");
-  EXPECT_EQ(
-      scene.light,
-      (Light{.is_point = true, .place = {1, -2.5, 3e-7}, .ambient = 0.1, .specular = 0.3, .exponent = 9}));
+  EXPECT_EQ(scene.light, (Light{.is_point = true,
+                                .place = {1, -2.5, 3e-7},
+                                .ambient = 0.1,
+                                .specular = 0.3,
+                                .exponent = 9,
+                                .lunar = 0.7,
+                                .reach = 4.5,
+                                .offset = 0.1}));
   EXPECT_EQ(scene.triangles[0].v[1].nx, 0.25);
   EXPECT_EQ(scene.triangles[0].v[1].ny, 0);
   EXPECT_EQ(scene.triangles[0].v[2].nz, 0);
@@ -261,6 +274,12 @@ TEST(LightStream, RefusesWhatIsNoLight) {
       {R"({"position": [0,0,1], "ambient": 0.5, "specular": 0.75})", "light.specular: is not legal"},
       {R"({"position": [0,0,1], "exponent": 201})", "light.exponent: 201"},
       {R"({"position": [0,0,1], "exponent": 1.5})", "light.exponent: 1.5"},
+      {R"({"position": [0,0,1], "lunar": -0.5})",
+       "light.lunar: is not legal; expected a number from 0 to 16"},
+      {R"({"position": [0,0,1], "reach": 1, "offset": 65})",
+       "light.offset: is not legal; expected a number from 0 to 64"},
+      {R"({"position": [0,0,1], "reach": -1})", "light.reach: is not legal; expected a number above 0"},
+      {R"({"position": [0,0,1], "reach": 1e-6})", "light.reach: 1e-06 is not legal; expected s_max 2^-16"},
       {R"({"position": [0,0,1], "color": 1})", "light.\"color\": unknown key"}};
   for (const auto& [light, message] : cases) {
     const std::string text = header + ", \"light\": " + light + "}\n";

@@ -380,7 +380,7 @@ TEST(Forms, Lights) {
   };
   const auto put = [](Random& random, std::uint64_t /*seed*/, const Config& c, Scene& scene) {
     if (has_project(c.project)) draw_projection(random, scene);
-    draw_light(random, scene, has_points(c.light_source));
+    draw_light(random, scene, light_taken(c));
   };
   // Some have registers or a root's unit of more bits, which lanes leave to the scalar stage.
   EXPECT_GT(compare_with("lights", ask, put), 15);

@@ -143,9 +143,13 @@ struct Lit {
   double mirrored() const { return value(record.mirrored, F::light_cosine); }
 };
 // A white pixel of the middle of a picture, with that normal; s: of a light that stands at a point.
-Lit lit(const Light& light, const std::array<double, 3>& normal, double s = 1) {
+Lit lit(const Light& light, const std::array<double, 3>& normal, double s = 1,
+        LightFall fall = LightFall::second, LightFallTo to = LightFallTo::light) {
   Lit out;
   out.config = config_of(LightAt::pixel, LightSource::point);
+  out.config.light_law = LightLaw::lunar;
+  out.config.light_fall = fall;
+  out.config.light_fall_to = to;
   Scene scene = worked_scene();
   scene.width = 65;
   scene.height = 49;
@@ -235,20 +239,74 @@ TEST(Light, StandsAtAPoint) {
   EXPECT_EQ(lit(light, {0, 0, -1}, 2).brightness(), 0);
 }
 
-TEST(Light, APointNeedsTheConfigurationsLeave) {
+TEST(Light, TheLunarLawDividesByTheViewersCosine) {
+  const auto brightness = [](double k, const std::array<double, 3>& normal) {
+    Light light = toward(0.6, 0, -0.8, 0.25);
+    light.lunar = k;
+    return lit(light, normal).brightness();
+  };
+  // What faces the viewer is darker, and what is seen at a grazing angle is as by Lambert.
+  EXPECT_EQ(brightness(0, {0, 0, -1}), lit(toward(0.6, 0, -0.8, 0.25), {0, 0, -1}).brightness());
+  EXPECT_NEAR(brightness(1, {0, 0, -1}), 0.25 + 0.75 * 0.8 / 2, 2e-5);
+  EXPECT_NEAR(brightness(3, {0, 0, -1}), 0.25 + 0.75 * 0.8 / 4, 2e-5);
+  EXPECT_NEAR(brightness(3, {0.6, 0, -0.8}), 0.25 + 0.75 / (1 + 3 * 0.8), 2e-5);
+  EXPECT_NEAR(brightness(3, {1, 0, 0}), 0.25 + 0.75 * 0.6, 2e-5);
+  EXPECT_NEAR(brightness(16, {1, 0, 0.25}), 0.25 + 0.75 * (0.6 - 0.2) / std::sqrt(1.0625), 2e-5);
+  EXPECT_EQ(brightness(3, {0, 0, 1}), 0.25);
+}
+
+TEST(Light, FallsWithTheDistance) {
+  // At the viewer, and what it lights is twice the reach away.
+  Light light = toward(0, 0, 0, 0.125);
+  light.is_point = true;
+  light.reach = 1;
+  const auto near = [](const Lit& l, double fall) {
+    EXPECT_NEAR(l.brightness(), 0.125 + 0.875 * fall, 2e-5);
+  };
+  near(lit(light, {0, 0, -1}, 2), 0.25);
+  near(lit(light, {0, 0, -1}, 2, LightFall::first), 0.5);
+  near(lit(light, {0, 0, -1}, 1), 1);
+  light.offset = 1;
+  near(lit(light, {0, 0, -1}, 2), 0.2);
+  near(lit(light, {0, 0, -1}, 2, LightFall::first), 1 / 3.0);
+  // Beside the viewer: the distances to both differ, by a factor of the square root of 2.
+  light = toward(2, 0, 0, 0.125);
+  light.is_point = true;
+  light.reach = 1;
+  const double cosine = std::sqrt(0.5);
+  near(lit(light, {0, 0, -1}, 2), cosine / 8);
+  near(lit(light, {0, 0, -1}, 2, LightFall::second, LightFallTo::viewer), cosine / 4);
+  near(lit(light, {0, 0, -1}, 2, LightFall::first), cosine / std::sqrt(8.0));
+  // Far lights have no distance; the viewer has.
+  light = toward(0, 0, -1, 0.125);
+  light.reach = 1;
+  near(lit(light, {0, 0, -1}, 2), 1);
+  near(lit(light, {0, 0, -1}, 2, LightFall::second, LightFallTo::viewer), 0.25);
+  // Nearer than the reach it is as bright as the registers hold.
+  light.reach = 1.9;
+  near(lit(light, {0, 0, -1}, 1.9, LightFall::second, LightFallTo::viewer), 1);
+  light.reach = 2;
+  const Lit bright = lit(light, {0, 0, -1}, 0.25, LightFall::second, LightFallTo::viewer);
+  EXPECT_EQ(bright.brightness(), 2 - 0x1p-15);
+}
+
+TEST(Light, NeedsTheConfigurationsLeave) {
   Scene scene = random_scene(3, {});
-  scene.light = Light{.is_point = true, .place = {0, 0, 1}};
-  for (const LightAt at : {LightAt::face, LightAt::vertex, LightAt::pixel}) {
-    const Config c = config_of(at);
-    EXPECT_THROW(make_model(c)->begin(scene), InputError);
-    EXPECT_THROW(make_golden(c)->begin(scene), InputError);
+  const Light lights[] = {{.is_point = true, .place = {0, 0, 1}}, {.lunar = 1}, {.reach = scene.s_max}};
+  for (const Light& light : lights) {
+    scene.light = light;
+    for (const LightAt at : {LightAt::face, LightAt::vertex, LightAt::pixel}) {
+      const Config c = config_of(at);
+      EXPECT_THROW(make_model(c)->begin(scene), InputError);
+      EXPECT_THROW(make_golden(c)->begin(scene), InputError);
+    }
+    EXPECT_NO_THROW(make_model(config_of(LightAt::none))->begin(scene));
   }
-  EXPECT_NO_THROW(make_model(config_of(LightAt::none))->begin(scene));
 }
 
 // ---------------------------------------------------------------- golden, model and ideal
 
-Scene random_lit(std::uint64_t seed, bool may_be_point) {
+Scene random_lit(std::uint64_t seed, const LightTaken& takes) {
   RandomOptions options;
   options.width = 64;
   options.height = 48;
@@ -259,7 +317,7 @@ Scene random_lit(std::uint64_t seed, bool may_be_point) {
   options.fog_probability = 0;
   Scene scene = random_scene(seed, options);
   Random random(seed + 1000);
-  draw_light(random, scene, may_be_point);
+  draw_light(random, scene, takes);
   return scene;
 }
 
@@ -282,7 +340,12 @@ TEST(Light, GoldenIsTheModel) {
       for (const LightSource source : {LightSource::parallel, LightSource::point}) {
         Config c = config_of(at, source);
         c.perspective = all_perspectives[seed % std::size(all_perspectives)];
-        const Scene scene = random_lit(seed, has_points(source));
+        if (seed % 2 == 0) c.light_law = LightLaw::lunar;
+        if (has_points(source)) {
+          c.light_fall = std::array{LightFall::none, LightFall::first, LightFall::second}[seed % 3];
+          c.light_fall_to = seed % 4 < 2 ? LightFallTo::light : LightFallTo::viewer;
+        }
+        const Scene scene = random_lit(seed, light_taken(c));
         const Drawn by_model = drawn(*make_model(c), scene), by_golden = drawn(*make_golden(c, true), scene);
         ASSERT_TRUE(std::ranges::equal(by_model.trace.setup_channel, by_golden.trace.setup_channel))
             << seed << " " << to_string(at) << " " << to_string(source);
@@ -305,7 +368,7 @@ TEST(Light, TheDefaultsAreWithinACodeOfTheTruth) {
     for (const LightAt at : {LightAt::face, LightAt::vertex, LightAt::pixel}) {
       for (const LightSource source : {LightSource::parallel, LightSource::point}) {
         const Config c = config_of(at, source);
-        const Scene scene = random_lit(seed, has_points(source));
+        const Scene scene = random_lit(seed, light_taken(c));
         const Drawn by_model = drawn(*make_model(c), scene);
         for (const LightRecord& r : by_model.trace.light) {
           const Triangle& t = scene.triangles[static_cast<std::size_t>(r.triangle)];
@@ -326,7 +389,7 @@ TEST(Light, TheDefaultsAreWithinACodeOfTheTruth) {
 }
 
 TEST(Light, IsOffInAViewWithoutOne) {
-  Scene scene = random_lit(4, false);
+  Scene scene = random_lit(4, {});
   const Drawn off = drawn(*make_model(config_of(LightAt::none)), scene);
   scene.light.reset();
   for (const LightAt at : {LightAt::face, LightAt::vertex, LightAt::pixel}) {
@@ -364,7 +427,11 @@ TEST(Light, AFaceHasItsFirstVertex) {
 
 // Each key, and each register, has a say in the records of some mode, and golden follows.
 TEST(Light, EveryKeyMovesSomething) {
-  const std::array scenes{random_lit(7, false), random_lit(8, true)};
+  Scene with_all = random_lit(8, {.point = true});
+  with_all.light->lunar = 1.75;
+  with_all.light->reach = with_all.s_max;
+  with_all.light->offset = 0.25;
+  const std::array scenes{random_lit(7, {}), with_all};
   std::vector<std::string> still;
   std::size_t tried = 0;
   const auto try_key = [&](const std::string& name, auto change, RowSlope rows = RowSlope::reciprocal) {
@@ -373,6 +440,10 @@ TEST(Light, EveryKeyMovesSomething) {
       for (const bool points : {true, false}) {
         Config c = config_of(at, points ? LightSource::point : LightSource::parallel);
         c.row_slope = rows;
+        if (points) {
+          c.light_law = LightLaw::lunar;
+          c.light_fall = LightFall::second;
+        }
         const Scene& scene = scenes[points ? 1 : 0];
         const Drawn before = drawn(*make_model(c), scene);
         change(c);
@@ -388,10 +459,10 @@ TEST(Light, EveryKeyMovesSomething) {
     still.push_back(name);
   };
   const auto coarser = [](F id) { return [id](Config& c) { c.format(id).word -= 7; }; };
-  for (const F id :
-       {F::normal_vertex, F::normal_step, F::normal_acc, F::normal_value, F::light_vertex, F::light_step,
-        F::light_acc, F::light_scale, F::light_position, F::light_root, F::light_normal, F::light_direction,
-        F::light_cosine, F::light_specular, F::light_value}) {
+  for (const F id : {F::normal_vertex, F::normal_step, F::normal_acc, F::normal_value, F::light_vertex,
+                     F::light_step, F::light_acc, F::light_scale, F::light_position, F::light_root,
+                     F::light_normal, F::light_direction, F::light_cosine, F::light_specular,
+                     F::light_inverse, F::light_lunar, F::light_distance, F::light_fall, F::light_value}) {
     try_key(std::string(key_of(id)), coarser(id));
   }
   for (const F id : {F::normal_grad, F::light_grad}) {
@@ -404,7 +475,11 @@ TEST(Light, EveryKeyMovesSomething) {
   try_key("light.root.internal_bits", [](Config& c) { c.light_root.internal_bits = 8; });
   try_key("light.root.steps", [](Config& c) { c.light_root.steps = 0; });
   EXPECT_TRUE(still.empty()) << still.front();
-  EXPECT_EQ(tried, 23U);
+  try_key("light.fall", [](Config& c) {
+    if (falls(c.light_fall)) c.light_fall = LightFall::first;
+  });
+  try_key("light.fall_to", [](Config& c) { c.light_fall_to = LightFallTo::viewer; });
+  EXPECT_EQ(tried, 29U);
 }
 
 TEST(Light, KeysMustFit) {
@@ -415,6 +490,10 @@ TEST(Light, KeysMustFit) {
   EXPECT_EQ(first_violation(c)->key, "light.root.index_bits");
   c.light = LightAt::none;
   EXPECT_FALSE(first_violation(c));
+  c = config_of(LightAt::pixel);
+  c.light_fall = LightFall::first;
+  ASSERT_TRUE(first_violation(c));
+  EXPECT_EQ(first_violation(c)->key, "light.fall");
   c = config_of(LightAt::pixel, LightSource::point);
   c.format(F::light_position) = {64, 8, true, Rounding::rnd, Overflow::sat, false};
   ASSERT_TRUE(first_violation(c));
