@@ -77,6 +77,7 @@ void refuse_camera(const std::string& name, const SceneOptions& o) {
   refuse(!o.texture.empty(), "--texture");
   refuse(!o.texture1.empty(), "--texture1");
   refuse(!o.light_map.empty(), "--light-map");
+  refuse(!o.relief.empty(), "--relief");
   refuse(!o.fog.empty(), "--fog");
   refuse(!o.light.empty(), "--light");
   refuse(o.unlit, "--unlit");
@@ -116,7 +117,8 @@ void refuse_size(const std::string& name, const Scene& scene, const SceneOptions
 
 SceneOptions seen_with(const Config& config, SceneOptions options) {
   for (const auto& [value, flag] :
-       {std::pair{&options.texture1, "--texture1"}, std::pair{&options.light_map, "--light-map"}}) {
+       {std::pair{&options.texture1, "--texture1"}, std::pair{&options.light_map, "--light-map"},
+        std::pair{&options.relief, "--relief"}}) {
     if (!value->empty() && !has_second_coordinates(config.second_coordinates)) {
       throw InputError(
           fmt::format("{}: the configuration gives the second texture unit the first one's coordinates; "
@@ -128,6 +130,7 @@ SceneOptions seen_with(const Config& config, SceneOptions options) {
   options.depth_code = config.depth_code;
   options.light_by_unit = has_light(config.light);
   options.light_points = has_light_points(config);
+  options.light_relief = has_relief(config);
   options.config = config;
   return options;
 }
@@ -235,6 +238,25 @@ std::optional<LightMapOptions> light_map_of(const SceneOptions& o) {
   return out;
 }
 
+// What --relief says; none where there is none.
+std::optional<std::string> relief_of(const SceneOptions& o) {
+  if (o.relief.empty()) return std::nullopt;
+  if (!o.light_relief || !o.light_points) {
+    throw InputError(
+        "--relief: the configuration has no light that takes a map; expected light.at = \"pixel\", "
+        "light.source "
+        "= \"point\" and light.normal = \"map\"");
+  }
+  if (o.light.empty()) throw InputError("--relief: there is no light; expected --light beside it");
+  for (const auto& [other, flag] : {std::pair{&o.texture1, "--texture1"}, std::pair{&o.shadow, "--shadow"},
+                                    std::pair{&o.slide, "--slide"}, std::pair{&o.light_map, "--light-map"}}) {
+    if (!other->empty()) {
+      throw InputError(fmt::format("--relief: has the second texture unit; expected no {} beside it", flag));
+    }
+  }
+  return o.relief;
+}
+
 // What --slide and --slide-from say; up: in the image.
 std::optional<SlideOptions> slide_of(const SceneOptions& o, const Vec3& up) {
   if (o.slide.empty() != o.slide_from.empty()) {
@@ -286,6 +308,7 @@ LoadedScene load_mesh(const std::string& name, const SceneOptions& o, int number
     throw InputError("--texture1: has the unit that --shadow and --slide need; expected one of them");
   }
   options.light_map = light_map_of(o);
+  options.relief = relief_of(o);
   options.project.cull = !o.no_cull;
   options.project.clip_sides = o.clip_sides;
   options.light = light_of(o);
@@ -294,7 +317,8 @@ LoadedScene load_mesh(const std::string& name, const SceneOptions& o, int number
   options.slide = slide_of(o, {0, 1, 0});
   ProjectReport faces;
   std::vector<std::string> bad_textures;
-  Mesh mesh = read_mesh(name, options.texture, o.strict ? nullptr : &bad_textures, options.texture1);
+  Mesh mesh =
+      read_mesh(name, options.texture, o.strict ? nullptr : &bad_textures, options.texture1, options.relief);
   for (const std::string& what : bad_textures) {
     say("bitspan: warning: " + what + "; its faces are white (--strict refuses this)\n");
   }
@@ -345,6 +369,13 @@ void add_scene_options(CLI::App& command, SceneOptions& o) {
                   "mesh: x,y,z,reach of a light as a texture of the second unit, which falls with the square "
                   "of the distance; at the reach a surface that faces it is as bright as its colour. Needs "
                   "texture.second = \"own\"")
+      ->group(group);
+  command
+      .add_option(
+          "--relief", o.relief,
+          "mesh: an image of normals, red along u, green along v downward, blue outward, at the mesh's "
+          "texture coordinates, for --light. Needs light.source = \"point\", light.normal = \"map\" and "
+          "texture.second = \"own\"")
       ->group(group);
   command
       .add_option(
@@ -736,6 +767,7 @@ std::string flags_text(const SceneOptions& o) {
   text("--fog", o.fog);
   text("--light", o.light);
   text("--light-map", o.light_map);
+  text("--relief", o.relief);
   out += o.unlit ? " --unlit" : "";
   text("--shadow", o.shadow);
   text("--shadow-plane", o.shadow_plane);

@@ -31,9 +31,10 @@ struct SceneOptions {
   std::string fog;        // "r,g,b,distance"
   std::string light;      // "x,y,z", and ",ambient,specular,exponent", ",lunar" and ",reach,offset" behind it
   std::string light_map;  // "x,y,z,reach"
+  std::string relief;     // an image of normals
   bool unlit = false;
   // By the configuration: whether brightness is formed by its unit, and whether lights stand at points.
-  bool light_by_unit = false, light_points = false;
+  bool light_by_unit = false, light_points = false, light_relief = false;
   std::string shadow;        // "x,y,z" or "x,y,z,X,Y,Z,degrees"
   std::string shadow_plane;  // "x,y,z,nx,ny,nz"
   bool shadow_volumes = false;

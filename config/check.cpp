@@ -290,6 +290,10 @@ Result first_violation(const Config& c) {
                      "is " + std::string(to_string(c.project)) +
                          ", and forms depth codes of h alone; legal: none, or depth.code = inverse, opengl"};
   }
+  if (has_light(c.light) && takes_map(c.light_normal) && !lights_pixels(c.light)) {
+    return Violation{"light.normal", "is map with light.at = " + std::string(to_string(c.light)) +
+                                         ", which has no texels; legal: channel, or light.at = pixel"};
+  }
   if (has_light(c.light) && falls(c.light_fall) && !has_points(c.light_source)) {
     return Violation{"light.fall", "is " + std::string(to_string(c.light_fall)) +
                                        " with light.source = parallel, which forms no place; legal: none, or "

@@ -60,6 +60,8 @@ BITSPAN_ENUM(ProjectUnit, none, reciprocal);
 BITSPAN_ENUM(LightAt, none, face, vertex, pixel);
 // How a surface scatters: by the cosine alone [L1], or divided by 1 + k cos(viewer) [L3].
 BITSPAN_ENUM(LightLaw, lambert, lunar);
+// Whose normals light takes: the channels nx, ny and nz; or those of a map, too [T15].
+BITSPAN_ENUM(LightNormal, channel, map);
 // By which power of a distance brightness falls [B9], and what the distance is to.
 BITSPAN_ENUM(LightFall, none, first, second);
 BITSPAN_ENUM(LightFallTo, light, viewer);
@@ -240,6 +242,7 @@ struct Config {
   // [light]
   LightAt light = LightAt::none;
   LightSource light_source = LightSource::parallel;
+  LightNormal light_normal = LightNormal::channel;
   LightLaw light_law = LightLaw::lambert;
   LightFall light_fall = LightFall::none;
   LightFallTo light_fall_to = LightFallTo::light;

@@ -713,6 +713,13 @@ void light(const Config& c, List& list, Grid coordinate) {
   }
   unit_vector(c, list, "L", {F::light_position, F::light_root, F::light_direction},
               has_light_points(c) ? place - place : place, F::light_direction);
+  if (has_relief(c)) {
+    const Grid code{8, 0, true};
+    unit_vector(c, list, "2 V - 255", {F::texture_mix, F::light_root, F::light_normal},
+                scaled(list.of(F::texture_mix), -1) - code, F::light_normal);
+    unit_vector(c, list, "Lp - uv", {F::relief_value, F::span_uv, F::light_root, F::light_direction},
+                list.of(F::relief_value) - list.of(F::span_uv), F::light_direction);
+  }
   const Grid both = list.of(F::light_normal) * list.of(F::light_direction);
   list.value("light", "c = N.L", {F::light_normal, F::light_direction, F::light_cosine}, both + both + both,
              F::light_cosine);

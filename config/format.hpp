@@ -158,6 +158,18 @@ struct Format {
   X(normal_acc, "normal.acc", "1", "channels nx, ny, nz: their accumulators along an edge, and along a row", \
     Format{32, 4, true, Rounding::rnd, Overflow::sat, false})                                                \
   X(normal_value, "normal.value", "1", "the normal that light takes", FormatId::normal_vertex)               \
+  X(relief_vertex, "relief.vertex", "texel",                                                                 \
+    "channels lx, ly, lz: the light in a normal map's field, at a vertex",                                   \
+    Format{28, 16, true, Rounding::rnd, Overflow::sat, false})                                               \
+  X(relief_grad, "relief.grad", "texel/pixel", "channels lx, ly, lz: their gradients",                       \
+    Format{36, 16, true, Rounding::rnd, Overflow::sat, false})                                               \
+  X(relief_step, "relief.step", "texel/pixel",                                                               \
+    "channels lx, ly, lz: their slopes along an edge, and along a row",                                      \
+    Format{36, 16, true, Rounding::rnd, Overflow::sat, false})                                               \
+  X(relief_acc, "relief.acc", "texel",                                                                       \
+    "channels lx, ly, lz: their accumulators along an edge, and along a row",                                \
+    Format{36, 18, true, Rounding::rnd, Overflow::sat, false})                                               \
+  X(relief_value, "relief.value", "texel", "the light's place that light takes", FormatId::relief_vertex)    \
   X(light_vertex, "light.vertex", "1", "channel light: the brightness at a vertex", FormatId::setup_shade)   \
   X(light_grad, "light.grad", "1/pixel", "channel light: its screen gradient", FormatId::plane_shade_grad)   \
   X(light_step, "light.step", "1/pixel", "channel light: its slope along an edge, and along a row",          \

@@ -40,6 +40,9 @@ enum class LineId : std::uint8_t {
   ny,
   nz,
   light,
+  lx,
+  ly,
+  lz,
   count
 };
 inline constexpr int line_count = static_cast<int>(LineId::count);
@@ -148,6 +151,9 @@ constexpr Line line_of(LineId id, Perspective perspective) {
   const auto normal = [&](std::string_view name) {
     return channel(name, F::normal_vertex, F::normal_step, F::normal_acc, F::normal_grad, F::normal_value);
   };
+  const auto relief = [&](std::string_view name) {
+    return channel(name, F::relief_vertex, F::relief_step, F::relief_acc, F::relief_grad, F::relief_value);
+  };
   // One that is homogeneous. Its products are walked in the accumulators' format.
   const auto homogeneous = [&](Line line, LineId divisor) {
     line.divisor = divisor;
@@ -204,6 +210,12 @@ constexpr Line line_of(LineId id, Perspective perspective) {
       return normal("nz");
     case LineId::light:
       return channel("light", F::light_vertex, F::light_step, F::light_acc, F::light_grad, F::light_value);
+    case LineId::lx:
+      return relief("lx");
+    case LineId::ly:
+      return relief("ly");
+    case LineId::lz:
+      return relief("lz");
     case LineId::count:
       break;
   }
@@ -251,6 +263,10 @@ constexpr bool has_channel(const Config& config, LineId line) {
       return lights_pixels(config.light);
     case LineId::light:
       return lights_vertices(config.light);
+    case LineId::lx:
+    case LineId::ly:
+    case LineId::lz:
+      return has_relief(config);
   }
   unreachable();
 }

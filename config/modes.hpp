@@ -450,6 +450,19 @@ constexpr bool has_points(LightSource source) {
 constexpr bool has_light_points(const Config& config) {
   return has_light(config.light) && has_points(config.light_source);
 }
+// Normals may come from a map.
+constexpr bool takes_map(LightNormal normal) {
+  switch (normal) {
+    case LightNormal::channel:
+      return false;
+    case LightNormal::map:
+      return true;
+  }
+  unreachable();
+}
+constexpr bool has_relief(const Config& config) {
+  return lights_pixels(config.light) && takes_map(config.light_normal);
+}
 // What scatters falls with the viewer's cosine.
 constexpr bool is_lunar(LightLaw law) {
   switch (law) {

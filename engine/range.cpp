@@ -236,6 +236,7 @@ class RangeCheck {
     }
     if (has_perspective_shades(c_.shade_lines)) vertex_shades(triangles, first);
     if (has_second_coordinates(c_.second_coordinates)) vertex_second(triangles, first);
+    if (view_.light && has_relief(c_)) vertex_relief(triangles, first);
     if (by == RangeBy::bounds && surely_held(triangles)) return;
     for (const Triangle& t : triangles) triangle(t, first++);
   }
@@ -501,6 +502,13 @@ class RangeCheck {
         add(F::edge_f, product, index);
         add(F::span_f, q(F::edge_f, product), index);
         add(F::span_uv, w, index);
+      }
+    });
+  }
+  void vertex_relief(std::span<const Triangle> triangles, std::int64_t first) {
+    for_each_vertex(triangles, first, [this](const Vertex& v, Real /*h*/, std::int64_t index) {
+      for (const double w : {v.lx, v.ly, v.lz}) {
+        for (const F id : {F::relief_vertex, F::relief_acc, F::relief_value}) add(id, w, index);
       }
     });
   }

@@ -21,6 +21,9 @@ bool asks_for(const Scene& scene, LineId channel) {
     case LineId::ny:
     case LineId::nz:
     case LineId::light:
+    case LineId::lx:
+    case LineId::ly:
+    case LineId::lz:
       return scene.light.has_value();
     case LineId::shade_r:
     case LineId::shade_g:
@@ -99,6 +102,12 @@ std::int64_t channel_at(LineId channel, const Vertex& vertex, Quad h, const Cons
       return narrowed(vertex.nz);
     case LineId::light:
       return constants.light(vertex, q);
+    case LineId::lx:
+      return narrowed(vertex.lx);
+    case LineId::ly:
+      return narrowed(vertex.ly);
+    case LineId::lz:
+      return narrowed(vertex.lz);
     case LineId::h:
     case LineId::fu:
     case LineId::fv:

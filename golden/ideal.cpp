@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "config/modes.hpp"
@@ -55,8 +56,12 @@ double fall_of(const Config& config, const Light& light, double to_light, double
 }
 
 // The light of a surface with that normal, seen at a place of the picture. [L1, L2, L3, B9, SH1]
-IdealLight light_on(const Config& config, const Scene& scene, const std::array<double, 3>& normal, double x,
-                    double y, double s) {
+struct Faced {
+  std::array<double, 3> normal;
+  std::optional<std::array<double, 3>> to_light;  // in the field of a map of normals [T15], with the normal
+};
+IdealLight light_on(const Config& config, const Scene& scene, const Faced& faced, double x, double y,
+                    double s) {
   const Light& light = *scene.light;
   std::array<double, 3> to = light.place;
   const std::array here{(x - scene.width / 2.0) * s / scene.focal, (y - scene.height / 2.0) * s / scene.focal,
@@ -65,14 +70,15 @@ IdealLight light_on(const Config& config, const Scene& scene, const std::array<d
     for (std::size_t i = 0; i < 3; ++i) to[i] -= here[i];
   }
   IdealLight out;
-  out.normal = of_length_1(normal);
-  out.direction = of_length_1(to);
+  out.normal = of_length_1(faced.normal);
+  out.direction = of_length_1(faced.to_light.value_or(to));
   for (std::size_t i = 0; i < 3; ++i) out.cosine += out.normal[i] * out.direction[i];
-  out.mirrored = out.direction[2] - 2 * out.cosine * out.normal[2];
+  if (!faced.to_light) out.mirrored = out.direction[2] - 2 * out.cosine * out.normal[2];
   out.value = light.ambient;
   if (out.cosine <= 0) return out;
   if (out.mirrored > 0) out.specular = std::pow(std::min(out.mirrored, 1.0), light.exponent);
-  const double scattered = out.cosine / (1 + light.lunar * std::max(-out.normal[2], 0.0));
+  const double k = faced.to_light ? 0 : light.lunar;
+  const double scattered = out.cosine / (1 + k * std::max(-out.normal[2], 0.0));
   out.value += ((1 - light.ambient - light.specular) * scattered + light.specular * out.specular) *
                fall_of(config, light, std::hypot(to[0], to[1], to[2]), std::hypot(here[0], here[1], s));
   return out;
@@ -83,8 +89,8 @@ double brightness_at(const Config& config, const Scene& scene, const IdealTriang
   const Corner* corner = &t.v[vertex];
   if (lights_faces(config.light)) corner = &*std::ranges::find(t.v, 0, &Corner::place);
   const auto pixels = [&](std::int64_t at) { return std::ldexp(static_cast<double>(at), -t.subpixel_bits); };
-  return light_on(config, scene, {corner->given.nx, corner->given.ny, corner->given.nz}, pixels(corner->x),
-                  pixels(corner->y), static_cast<double>(corner->s))
+  return light_on(config, scene, {{corner->given.nx, corner->given.ny, corner->given.nz}, std::nullopt},
+                  pixels(corner->x), pixels(corner->y), static_cast<double>(corner->s))
       .value;
 }
 
@@ -504,6 +510,7 @@ void combine(const Config& config, const DrawState& state, const Scene& scene,
     sample_texture(config, second_unit(state), nullptr, scene, static_cast<std::size_t>(state.texture1),
                    levels, lambda, own ? p.u2 : p.u, own ? p.v2 : p.v, texel);
   }
+  out.second_texel = {texel[0], texel[1], texel[2]};
   const std::array<int, 3> constants{state.texture1_red, state.texture1_green, state.texture1_blue};
   for (std::size_t c = 0; c < 3; ++c) {
     const auto sum = golden::combined_color<double>(state.texture1_op, out.color[c], texel[c], texel[c] / 255,
@@ -541,8 +548,15 @@ IdealFragment shade(const Config& config, const DrawState& state, const Scene& s
   if (has_second_texture(state)) combine(config, state, scene, levels, out);
   out.killed = out.killed || (golden::kills_zero(state) && out.alpha == 0);
   if (scene.light && lights_pixels(config.light)) {
-    out.light =
-        light_on(config, scene, {point.given.nx, point.given.ny, point.given.nz}, point.x, point.y, point.s);
+    const Attributes& given = point.given;
+    Faced faced{{given.nx, given.ny, given.nz}, std::nullopt};
+    if (has_relief(config) && has_relief(state)) {
+      const bool own = has_second_coordinates(config.second_coordinates);
+      for (std::size_t i = 0; i < 3; ++i) faced.normal[i] = 2 * out.second_texel[i] - 255;
+      faced.to_light = {given.lx - (own ? point.u2 : point.u), given.ly - (own ? point.v2 : point.v),
+                        given.lz};
+    }
+    out.light = light_on(config, scene, faced, point.x, point.y, point.s);
   } else {
     out.light.value = point.brightness;
   }

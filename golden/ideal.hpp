@@ -68,18 +68,19 @@ struct IdealLight {
 
 // The fragment of pixel (x, y), through texture and fog.
 struct IdealFragment {
-  IdealPoint point;                // at the pixel's centre
-  double z = 0;                    // the configured depth code, in front of bias and packing
-  int dz = 0;                      // float_dz: log2 of dz, as the word holds it
-  double lambda = 0;               // level of detail, where textures have mip chains
-  std::array<double, 4> texel{};   // V: colour codes 0..255, and alpha 0..1
-  std::array<double, 3> color{};   // V times shade, colour codes
-  double alpha = 1;                // of texel and shade
-  IdealLight light;                // in a view with one
-  std::array<double, 3> lit{};     // the colour, times the light
-  double fog_factor = 1;           // share of the object's own colour
-  std::array<double, 3> fogged{};  // colour codes
-  bool killed = false;             // by the transparent code or alpha 0
+  IdealPoint point;                      // at the pixel's centre
+  double z = 0;                          // the configured depth code, in front of bias and packing
+  int dz = 0;                            // float_dz: log2 of dz, as the word holds it
+  double lambda = 0;                     // level of detail, where textures have mip chains
+  std::array<double, 4> texel{};         // V: colour codes 0..255, and alpha 0..1
+  std::array<double, 3> color{};         // V times shade, colour codes
+  double alpha = 1;                      // of texel and shade
+  std::array<double, 3> second_texel{};  // of the second unit, colour codes
+  IdealLight light;                      // in a view with one
+  std::array<double, 3> lit{};           // the colour, times the light
+  double fog_factor = 1;                 // share of the object's own colour
+  std::array<double, 3> fogged{};        // colour codes
+  bool killed = false;                   // by the transparent code or alpha 0
 };
 
 // Returns the values of the triangle's plane at pixel (x, y), whether the triangle covers it or not. levels:

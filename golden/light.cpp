@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "config/modes.hpp"
 #include "golden/channel.hpp"
@@ -130,20 +131,23 @@ class Lighting {
     }
   }
 
-  // n: the normal, of any length; x, y: pixels from the left and from the top.
-  Shine<Real> operator()(const Vector<Real>& n, Real x, Real y, Real s) const {
+  // n: the normal, of any length; field: toward the light, where both are those of a map; x, y: pixels from
+  // the left and from the top.
+  Shine<Real> operator()(const Vector<Real>& n, const std::optional<Vector<Real>>& field, Real x, Real y,
+                         Real s) const {
     Shine<Real> out;
     out.normal = unit(root_, q_normal_, n);
     Real fall = 1;
     out.direction = is_point_ || falls_ ? to_light(x, y, s, fall) : far_;
+    if (field) out.direction = unit(root_, q_direction_, *field);
     const Vector<Real>& l = out.direction;
     out.cosine = q_cosine_(out.normal[0] * l[0] + out.normal[1] * l[1] + out.normal[2] * l[2]);
-    out.mirrored = q_cosine_(l[2] - 2 * (out.cosine * out.normal[2]));
+    if (!field) out.mirrored = q_cosine_(l[2] - 2 * (out.cosine * out.normal[2]));
     Real sum = 0;
     if (out.cosine > 0) {
       if (out.mirrored > 0) out.specular = power(out.mirrored);
-      sum =
-          diffuse_ * (is_lunar_ ? lunar(out.cosine, out.normal[2]) : out.cosine) + highlight_ * out.specular;
+      sum = diffuse_ * (is_lunar_ && !field ? lunar(out.cosine, out.normal[2]) : out.cosine) +
+            highlight_ * out.specular;
     }
     out.value = falls_ ? q_value_(fall * q_value_(sum) + ambient_) : q_value_(sum + ambient_);
     return out;
@@ -224,16 +228,23 @@ class FragmentLight {
   FragmentLight(const Config& config, const Constants& constants, const Scene& scene)
       : at_pixels_(lights_pixels(config.light)),
         light_(config, constants.s_exponent, scene),
+        takes_map_(has_relief(config)),
+        has_second_(has_second_coordinates(config.second_coordinates)),
         q_given_(config.format(FormatId::normal_value)),
         q_s_(config.format(FormatId::distance_s)),
         q_color_(config.format(FormatId::texture_color)),
+        q_mix_(config.format(FormatId::texture_mix)),
+        q_uv_(config.format(FormatId::span_uv)),
+        q_relief_(config.format(FormatId::relief_value)),
         normal_(place_of(constants, LineId::nx)),
-        value_(place_of(constants, LineId::light)) {}
+        value_(place_of(constants, LineId::light)),
+        relief_(place_of(constants, LineId::lx)),
+        second_(place_of(constants, LineId::u2)) {}
 
   void operator()(std::span<const FragmentRecord* const> fragments,
                   std::span<const TextureRecord* const> textures,
                   std::span<const DistanceRecord* const> distances,
-                  std::span<const FragmentChannelRecord* const> channels,
+                  std::span<const FragmentChannelRecord* const> channels, bool by_map,
                   std::vector<LightRecord>& out) const {
     for (std::size_t i = 0; i < fragments.size(); ++i) {
       LightRecord& record = out.emplace_back();
@@ -241,8 +252,10 @@ class FragmentLight {
       record.x = fragments[i]->x;
       record.y = fragments[i]->y;
       if (at_pixels_) {
-        set_brightness(channels[i] + normal_, distances.empty() ? Real(0) : q_s_.value(distances[i]->s),
-                       record);
+        const Real s = distances.empty() ? Real(0) : q_s_.value(distances[i]->s);
+        set_brightness(by_map && takes_map_ ? of_map(*fragments[i], *textures[i], channels[i])
+                                            : of_channels(channels[i]),
+                       s, record);
       } else {
         record.value = channels[i][value_].w;
       }
@@ -257,11 +270,28 @@ class FragmentLight {
   }
 
  private:
-  void set_brightness(const FragmentChannelRecord* normal, Real s, LightRecord& out) const {
-    const Vector<Real> n{q_given_.value(normal[0].w), q_given_.value(normal[1].w),
-                         q_given_.value(normal[2].w)};
+  // What faces what.
+  struct Faced {
+    Vector<Real> normal;
+    std::optional<Vector<Real>> to_light;  // in a map's field; none: as the view has it
+  };
+  Faced of_channels(const FragmentChannelRecord* channels) const {
+    const FragmentChannelRecord* const n = channels + normal_;
+    return {{q_given_.value(n[0].w), q_given_.value(n[1].w), q_given_.value(n[2].w)}, std::nullopt};
+  }
+  Faced of_map(const FragmentRecord& fragment, const TextureRecord& texture,
+               const FragmentChannelRecord* channels) const {
+    const auto part = [&](std::int64_t code) { return 2 * q_mix_.value(code) - 255; };
+    const FragmentChannelRecord* const l = channels + relief_;
+    const Real u = q_uv_.value(has_second_ ? channels[second_].w : fragment.u);
+    const Real v = q_uv_.value(has_second_ ? channels[second_ + 1].w : fragment.v);
+    return {{part(texture.texel_r), part(texture.texel_g), part(texture.texel_b)},
+            Vector<Real>{q_relief_.value(l[0].w) - u, q_relief_.value(l[1].w) - v, q_relief_.value(l[2].w)}};
+  }
+
+  void set_brightness(const Faced& faced, Real s, LightRecord& out) const {
     const Real half(0.5);
-    const Shine<Real> shine = light_(n, Real(out.x) + half, Real(out.y) + half, s);
+    const Shine<Real> shine = light_(faced.normal, faced.to_light, Real(out.x) + half, Real(out.y) + half, s);
     out.nx = light_.normal().raw(shine.normal[0]);
     out.ny = light_.normal().raw(shine.normal[1]);
     out.nz = light_.normal().raw(shine.normal[2]);
@@ -276,8 +306,10 @@ class FragmentLight {
 
   bool at_pixels_;
   Lighting<Real> light_;
-  Quantizer<Real> q_given_, q_s_, q_color_;
-  std::ptrdiff_t normal_, value_;  // in front of which channels those of light stand
+  bool takes_map_, has_second_;
+  Quantizer<Real> q_given_, q_s_, q_color_, q_mix_, q_uv_, q_relief_;
+  // In front of which channels those of light stand.
+  std::ptrdiff_t normal_, value_, relief_, second_;
 };
 
 }  // namespace
@@ -296,7 +328,7 @@ VertexLight make_vertex_light(const Config& config, int s_exponent, const Scene&
   return [=](const Vertex& v, const Quantizer<Quad>& q) {
     const Vector<Quad> n{q_n(Quad(v.nx)), q_n(Quad(v.ny)), q_n(Quad(v.nz))};
     const Quad s = q_s(Quad(v.s) * scalbnq(1, -s_exponent));
-    return q.raw(q((*light)(n, q_xy(Quad(v.x)), q_xy(Quad(v.y)), s).value));
+    return q.raw(q((*light)(n, std::nullopt, q_xy(Quad(v.x)), q_xy(Quad(v.y)), s).value));
   };
 }
 

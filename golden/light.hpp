@@ -15,11 +15,12 @@
 namespace bitspan::golden {
 
 // Takes fragments that are drawn, the texture's record of each, the distance of each where there are any, and
-// the first of the channels in use of each; appends a record for each.
+// the first of the channels in use of each; by_map: the textures' texels are normals. Appends a record for
+// each.
 using LightStage =
     std::function<void(std::span<const FragmentRecord* const>, std::span<const TextureRecord* const>,
                        std::span<const DistanceRecord* const>, std::span<const FragmentChannelRecord* const>,
-                       std::vector<LightRecord>& out)>;
+                       bool by_map, std::vector<LightRecord>& out)>;
 // The scene has a light, and the configuration takes it.
 LightStage make_light(Arithmetic arithmetic, const Config& config, const Constants& constants,
                       const Scene& scene);

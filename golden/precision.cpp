@@ -867,6 +867,12 @@ class Chooser {
       s.exact("x s k", product(across, scale));
       unit_vector(s, "L", s.exact("Lp - P", sum(place, place)), FormatId::light_direction);
     }
+    if (has_relief(c_)) {
+      const Range mix = range_of(f(FormatId::texture_mix));
+      unit_vector(s, "2 V - 255", sum({mix.lo + 1, mix.hi + 1}, {0, 8}), FormatId::light_normal);
+      const Range relief = range_of(f(FormatId::relief_value));
+      unit_vector(s, "Lp - uv", sum(relief, range_of(f(FormatId::span_uv))), FormatId::light_direction);
+    }
     const Range both = product(normal, direction);
     s.exact("N.L", sum(sum(both, both), both));
     const Range turned = product({cosine.lo + 1, cosine.hi + 1}, normal);

@@ -36,6 +36,8 @@ CombinedColor<Real> combined_color(TextureOp op, Real first, Real texel, Real sh
       return {texel, 1, 0, 0};
     case TextureOp::modulate:
       return {first, share, 0, 0};
+    case TextureOp::relief:
+      return {first, 1, 0, 0};
     case TextureOp::decal:
       return {first, 1 - alpha, texel, alpha};
     case TextureOp::blend:
@@ -48,7 +50,7 @@ CombinedColor<Real> combined_color(TextureOp op, Real first, Real texel, Real sh
   unreachable();
 }
 // The same of the alphas: one of them, or their product.
-constexpr bool keeps_first_alpha(TextureOp op) { return op == TextureOp::decal; }
+constexpr bool keeps_first_alpha(TextureOp op) { return op == TextureOp::decal || op == TextureOp::relief; }
 constexpr bool takes_texel_alpha(TextureOp op) { return op == TextureOp::replace; }
 
 }  // namespace bitspan::golden

@@ -190,7 +190,10 @@ std::shared_ptr<SceneState> described(Scene scene) {
                                  v.v2,
                                  v.nx,
                                  v.ny,
-                                 v.nz});
+                                 v.nz,
+                                 v.lx,
+                                 v.ly,
+                                 v.lz});
     }
     state->texture_of.push_back(triangle.texture);
   }
@@ -386,7 +389,10 @@ Triangle triangle_from(const bs_vertex* vertices, std::size_t i, std::int32_t te
                       v.v2,
                       v.nx,
                       v.ny,
-                      v.nz}};
+                      v.nz,
+                      v.lx,
+                      v.ly,
+                      v.lz}};
   }
   check_texture(scene, texture, function);
   out.texture = texture;

@@ -148,9 +148,7 @@ void set_state(Pipeline& pipeline, const Scene& scene, const DrawState& state) {
   pipeline.masks_pixels = masks_pixels(state);
   pipeline.depth.func = state.depth_func;
   pipeline.depth.bias = state.depth_bias;
-  pipeline.texture.pass = state.translucency_pass;
-  pipeline.texture.alpha_test = alpha_test_of(state.alpha_func, state.alpha_ref, pipeline.texture.alpha);
-  pipeline.texture.kills_zero = state.alpha_zero == AlphaZero::kill;
+  set_kill(pipeline.texture, state);
   set_lod(pipeline.lod, state);
   pipeline.texture.lookup = first_lookup(state);
   pipeline.texture.magnified = pipeline.has_lod ? first_magnified(state) : pipeline.texture.lookup;
@@ -158,6 +156,7 @@ void set_state(Pipeline& pipeline, const Scene& scene, const DrawState& state) {
   pipeline.texture.chroma = chroma_of(state);
   pipeline.texture.is_last = !has_second_texture(state);
   set_texture_second(pipeline.texture_second, state, texture_of(scene, state.texture1));
+  set_light(pipeline.light, state);
   set_project(pipeline.project, state, texture_of(scene, state.texture1));
   pipeline.stencil = prepare_stencil(state);
   set_blend(pipeline.merge, blend_of(state));

@@ -282,7 +282,8 @@ struct FragmentDrawing {
       if (!passes(fragment, drawn, at) || !lives(fragment, drawn, channels)) return;
     }
     if (pipeline.light.is_on) {
-      light(pipeline.light, fragment, far, light_channels(pipeline.channels, channels), texel, shone, watch);
+      light(pipeline.light, fragment, far, light_channels(pipeline.channels, fragment, channels), texel,
+            shone, watch);
       finish(fragment, shone);
       texel = lit(texel, shone);
     }

@@ -57,14 +57,14 @@ std::optional<Scene> layered_picture_of(const Scene& scene) {
 
 std::string layer_refusal(const Config& config, const Scene& picture) {
   DrawState state = all_states_of(config, picture.commands).back();
-  const DrawState first = first_state(config);
+  const auto held = state_values(state), first = state_values(first_state(config));
   // What merges otherwise than over what lies behind, and what lets a fragment leave something out.
   for (const StateRegister& r : state_registers()) {
     const std::string_view unit = r.key.substr(0, r.key.find('.'));
     const bool is_asked = unit == "blend" || unit == "logic" || unit == "target" || unit == "color" ||
                           r.key == "depth.write" || r.key == "stencil.test";
     const auto at = static_cast<std::size_t>(&r - state_registers().data());
-    if (is_asked && state_values(state)[at] != state_values(first)[at]) {
+    if (is_asked && held[at] != first[at]) {
       return fmt::format("{}: legal for the layers of an oracle: what it holds at first", r.key);
     }
   }

@@ -884,6 +884,19 @@ void under_lamp(Scene& scene) {
   scene.light->is_point = true;
 }
 
+// The same, over maps of normals: the light's place turns from triangle to triangle.
+void over_relief(Scene& scene) {
+  under_light(scene);
+  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      Vertex& v = scene.triangles[i].v[k];
+      v.lx = v.u + 20 * std::sin(static_cast<double>(i));
+      v.ly = 3 + 8 * static_cast<double>(i % 5) - static_cast<double>(k);
+      v.lz = 6 + static_cast<double>(i % 3);
+    }
+  }
+}
+
 // A light beyond the surfaces. What they mirror of it at a grazing angle must not show.
 void under_back_light(Scene& scene) {
   under_light(scene);
@@ -898,6 +911,7 @@ void add_light(std::vector<SuiteFeature>& out) {
     LightSource source = LightSource::parallel;
     int index_bits = 9, steps = 2;
     LightLaw law = LightLaw::lambert;
+    LightNormal normal = LightNormal::channel;
     LightFall fall = LightFall::none;
     LightFallTo fall_to = LightFallTo::light;
     std::vector<Register> state{};
@@ -909,6 +923,7 @@ void add_light(std::vector<SuiteFeature>& out) {
       c.light_index_bits = unit.index_bits;
       c.light_root.steps = unit.steps;
       c.light_law = unit.law;
+      c.light_normal = unit.normal;
       c.light_fall = unit.fall;
       c.light_fall_to = unit.fall_to;
       if (s.light && is_lunar(unit.law)) s.light->lunar = 2.5;
@@ -950,6 +965,18 @@ void add_light(std::vector<SuiteFeature>& out) {
   add("light_fall.of_a_far_light", fog,
       {.source = point, .fall = LightFall::first, .fall_to = LightFallTo::viewer}, {.source = point},
       under_light);
+  const std::vector<Register> by_map{{"texture1", 1}, {"texture1.op", number(TextureOp::relief)}};
+  for (const LightSource source : {LightSource::parallel, LightSource::point}) {
+    add(fmt::format("light_relief.{}", to_string(source)), fog,
+        {.source = source, .normal = LightNormal::map, .state = by_map}, {.source = source, .state = by_map},
+        over_relief);
+  }
+  std::vector<Register> smooth = by_map;
+  smooth.push_back({"texture1.filter", number(TextureFilter::bilinear)});
+  add("light_relief.smooth", fog, {.normal = LightNormal::map, .state = smooth},
+      {.normal = LightNormal::map, .state = by_map}, over_relief);
+  add("light_relief.off", fog, {.normal = LightNormal::map, .state = {{"texture1", 1}}},
+      {.normal = LightNormal::map, .state = by_map}, over_relief);
   add("light_late.pixel", fog, {.state = {{"depth.when", number(DepthWhen::late)}}},
       {.at = LightAt::none, .state = {{"depth.when", number(DepthWhen::late)}}}, under_light);
   add("light_second.pixel", fog, {.state = {{"texture1", 1}}},

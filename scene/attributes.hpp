@@ -28,7 +28,10 @@ enum class AttributeRange : std::uint8_t {
   X(v2, any, 0)                                                                                           \
   X(nx, any, 0) /* outward normal in the viewer's space, of any length up to 2 [L6]: to the right, */     \
   X(ny, any, 0) /* downward and */                                                                        \
-  X(nz, any, 0) /* along the view axis; of length 0: only ambient light */
+  X(nz, any, 0) /* along the view axis; of length 0: only ambient light */                                \
+  X(lx, any, 0) /* where the light stands in the field of a map of normals [T15]: column, */              \
+  X(ly, any, 0) /* row and */                                                                             \
+  X(lz, any, 0) /* height above it, in its texels */
 
 // u, v in texels (texel centres at .5, v downward); c red, green, blue, alpha in 0..1; and what may be given.
 struct Attributes {

@@ -77,7 +77,7 @@ BITSPAN_ENUM(ProjectOutside, lit, dark);
 // What weighs texels where a level of detail is at most 0: what else does, or a filter of its own.
 BITSPAN_ENUM(MagnifyFilter, same, nearest, bilinear);
 // How the second texture unit combines its texel with the colour and alpha of the first one.
-BITSPAN_ENUM(TextureOp, replace, modulate, decal, blend, add, modulate_scaled);
+BITSPAN_ENUM(TextureOp, replace, modulate, decal, blend, add, modulate_scaled, relief);
 
 // Bits of red, green, blue and alpha; a format without alpha has 0 of them.
 constexpr std::array<int, 4> target_bits(TargetFormat format) {
@@ -203,6 +203,10 @@ constexpr bool is_late(DepthWhen when) { return when == DepthWhen::late; }
 
 // Whether the second texture unit is on.
 constexpr bool has_second_texture(const DrawState& state) { return state.texture1 >= 0; }
+// The second unit's texel is a normal for light.
+constexpr bool has_relief(const DrawState& state) {
+  return has_second_texture(state) && state.texture1_op == TextureOp::relief;
+}
 
 // Whether that unit takes the projector's coordinates.
 constexpr bool takes_projection(TextureCoordinates by) { return by == TextureCoordinates::project; }

@@ -22,6 +22,7 @@
 #include "scene/obj.hpp"
 #include "scene/plan.hpp"
 #include "scene/ply.hpp"
+#include "scene/relief.hpp"
 #include "scene/texture.hpp"
 
 namespace bitspan {
@@ -184,35 +185,41 @@ Corner corner_of(const MeshCorner& from, const std::array<double, 4>& color, con
 }
 
 // Gives the faces of a mesh the image of the second texture unit, in whose texels their second coordinates
-// are then.
-void give_texture1(const MeshFile& file, const std::string& path, const std::string& image, Mesh& mesh) {
+// are then: the file's second ones, or its first ones for a map of normals.
+void give_texture1(const MeshFile& file, const std::string& path, const std::string& image, bool is_map,
+                   Mesh& mesh) {
   std::size_t without = 0;
   mesh.texture1 = static_cast<int>(mesh.textures.size());
   const Texture& drawn = mesh.textures.emplace_back(read_texture(image));
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-    if (!file.triangles[f].has_second_uv) {
+    const MeshTriangle& from = file.triangles[f];
+    if (!(is_map ? from.has_uv : from.has_second_uv)) {
       ++without;
       continue;
     }
-    for (Corner& corner : mesh.faces[f].corner) {
-      corner.u2 *= drawn.width;
-      corner.v2 = (1 - corner.v2) * drawn.height;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const MeshCorner& given = from.corner[i];
+      Corner& corner = mesh.faces[f].corner[i];
+      corner.u2 = (is_map ? given.u : given.u2) * drawn.width;
+      corner.v2 = (1 - (is_map ? given.v : given.v2)) * drawn.height;
     }
   }
+  const std::string which = is_map ? "" : "second ";
   if (without == mesh.faces.size()) {
-    throw InputError(path + ": the mesh has no second texture coordinates; expected them for " + image +
-                     ", as a glTF has them");
+    throw InputError(path + ": the mesh has no " + which + "texture coordinates; expected them for " + image +
+                     (is_map ? "" : ", as a glTF has them"));
   }
   if (without > 0) {
-    mesh.notes.push_back(std::to_string(without) +
-                         " faces have no second texture coordinates; they take 0, 0");
+    mesh.notes.push_back(std::to_string(without) + " faces have no " + which +
+                         "texture coordinates; they take 0, 0");
   }
 }
 
 }  // namespace
 
 Mesh read_mesh(const std::string& path, const std::optional<std::string>& texture,
-               std::vector<std::string>* bad_textures, const std::optional<std::string>& texture1) {
+               std::vector<std::string>* bad_textures, const std::optional<std::string>& texture1,
+               const std::optional<std::string>& relief) {
   MeshFile file = read_mesh_file(path, texture1.has_value());
   Mesh mesh;
   mesh.name = std::filesystem::path(path).stem().string();
@@ -261,7 +268,8 @@ Mesh read_mesh(const std::string& path, const std::optional<std::string>& textur
         std::to_string(inexact) +
         " faces with alphaMode MASK have corners of different alpha; each corner is cut alone");
   }
-  if (texture1) give_texture1(file, path, *texture1, mesh);
+  if (texture1) give_texture1(file, path, *texture1, false, mesh);
+  if (relief) give_texture1(file, path, *relief, true, mesh);
   return mesh;
 }
 
@@ -379,6 +387,10 @@ Scene mesh_scene(Mesh mesh, const MeshOptions& options, ProjectReport& report) {
   scene.fog = options.fog;
   scene.light = light_mesh(mesh, options, view);
   StateChange second;
+  if (options.relief) {
+    give_relief(mesh.faces, options.light.value().place);
+    second = relief_state();
+  }
   if (options.light_map) {
     map_light(mesh.faces, *options.light_map);
     mesh.texture1 = static_cast<int>(mesh.textures.size());

@@ -56,6 +56,9 @@ struct MeshOptions {
   // shoulder, unless it is to be seen without light.
   std::optional<LightOptions> light;
   bool unlit = false;
+  // An image of normals for the second texture unit, at the file's coordinates [T15]. Beside a light at a
+  // point by the unit, and in place of `texture1`.
+  std::optional<std::string> relief;
   // Light as a texture, by the second texture unit. In place of `light` and `texture1`.
   std::optional<LightMapOptions> light_map;
   // In the coordinates of the mesh; one of them at most.
@@ -69,12 +72,13 @@ struct MeshOptions {
 // files are relative to the mesh; embedded images work too. u, v become texels of the face's texture, with v
 // turned to run downward. Throws InputError with one line where the file is unreadable or has no triangles, a
 // number is not finite, or a texture is bad. With `bad_textures`, a bad texture that the mesh names appends
-// its line there instead, and its faces have no texture. texture1: as in MeshOptions; a face without second
-// coordinates has its texel at (0, 0), and a mesh without any throws. Corners have the file's normals, of
+// its line there instead, and its faces have no texture. texture1, relief: as in MeshOptions; a face without
+// the coordinates has its texel at (0, 0), and a mesh without any throws. Corners have the file's normals, of
 // length 1, where it has some.
 Mesh read_mesh(const std::string& path, const std::optional<std::string>& texture = std::nullopt,
                std::vector<std::string>* bad_textures = nullptr,
-               const std::optional<std::string>& texture1 = std::nullopt);
+               const std::optional<std::string>& texture1 = std::nullopt,
+               const std::optional<std::string>& relief = std::nullopt);
 
 // Returns the view of the camera. Throws InputError where the camera is impossible.
 Viewpoint make_view(const Mesh& mesh, const Camera& camera, int width, int height);

@@ -443,7 +443,10 @@ void draw_projection(Random& random, Scene& scene) {
 }
 
 LightTaken light_taken(const Config& config) {
-  return {.point = has_light_points(config), .lunar = has_lunar(config), .fall = has_light_fall(config)};
+  return {.point = has_light_points(config),
+          .lunar = has_lunar(config),
+          .fall = has_light_fall(config),
+          .map = has_relief(config)};
 }
 
 void draw_light(Random& random, Scene& scene, const LightTaken& takes) {
@@ -477,6 +480,24 @@ void draw_light(Random& random, Scene& scene, const LightTaken& takes) {
       }
       set_normal(triangle.v[i], normal);
     }
+  }
+  if (!takes.map || scene.textures.empty()) return;
+  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+    const bool is_flat = random.chance(0.5);
+    Vec3 field{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (k == 0 || !is_flat) field = direction() * random.log_uniform(1, 4000);
+      Vertex& v = scene.triangles[i].v[k];
+      v.lx = field.x;
+      v.ly = field.y;
+      v.lz = field.z;
+    }
+    if (!random.chance(0.25)) continue;
+    const auto texture = random.integer(0, static_cast<std::int64_t>(scene.textures.size()) - 1);
+    const auto op = random.chance(0.75) ? TextureOp::relief : TextureOp::modulate;
+    put_before(
+        scene, i,
+        StateChange{.settings = {state_setting("texture1", texture), state_setting("texture1.op", op)}});
   }
 }
 

@@ -84,6 +84,8 @@ bool lights(const Config& c) { return has_light(c.light); }
 bool lights_points(const Config& c) { return has_light_points(c); }
 bool lights_lunar(const Config& c) { return has_lunar(c); }
 bool lights_fall(const Config& c) { return has_light_fall(c); }
+// L differs from pixel to pixel.
+bool lights_turn(const Config& c) { return has_light_points(c) || has_relief(c); }
 bool lights_divide(const Config& c) { return has_lunar(c) || has_light_fall(c); }
 bool packed_depth(const Config& c) { return has_dz(c.depth_code); }
 
@@ -114,6 +116,8 @@ constexpr std::string_view kChannelPlaneRows = "channel in use, const_depth_rows
 constexpr std::string_view kProject = "project.unit = reciprocal";
 constexpr std::string_view kLight = "light.at = face, vertex, pixel";
 constexpr std::string_view kLightPoint = "light.at = face, vertex, pixel with light.source = point";
+constexpr std::string_view kLightTurns =
+    "light.at = face, vertex, pixel with light.source = point, or light.normal = map";
 constexpr std::string_view kLightLunar = "light.at = face, vertex, pixel with light.law = lunar";
 constexpr std::string_view kLightFall = "light.at = face, vertex, pixel with light.fall = first, second";
 constexpr std::string_view kLightDivides =
@@ -296,8 +300,10 @@ std::vector<RegisterRule> make_rules() {
       rule<F::light_root>("light", 1, kLight, lights),
       rule<F::light_normal>("light", 3, kLight, lights),
       rule<F::light_position>("light", 3, kLightPoint, lights_points),
-      rule<F::light_root>("light", 1, kLightPoint, lights_points),
-      rule<F::light_direction>("light", 3, kLightPoint, lights_points),
+      rule<F::light_root>("light", 1, kLightTurns, lights_turn),
+      rule<F::light_direction>("light", 3, kLightTurns, lights_turn),
+      rule<F::light_root>("light", 1, kLightLunar, lights_lunar),
+      rule<F::light_root>("light", 1, kLightFall, lights_fall),
       rule<F::light_cosine>("light", 2, kLight, lights),
       rule<F::light_inverse>("light", 1, kLightDivides, lights_divide),
       rule<F::light_lunar>("light", 1, kLightLunar, lights_lunar),
@@ -625,6 +631,10 @@ class Products {
       add("light", "x s k, y s k", from_vertex(), s * at(F::light_scale), 2);
       unit_vector("L", at(F::light_position) - at(F::light_position));
     }
+    // In a map's field both vectors go through the same units.
+    if (has_relief(c_) && !lights_points(c_)) {
+      unit_vector("L - (u, v)", at(F::relief_value) - at(F::span_uv));
+    }
     add("light", "N.L", at(F::light_normal), at(F::light_direction), 3);
     add("light", "c Nz", at(F::light_cosine), at(F::light_normal), 1);
     if (lights_lunar(c_)) {
@@ -719,8 +729,10 @@ double table_bits(const Config& config) {
   for (const auto& u : units(config)) bits += parts_of(*u.r).table_bits;
   bits += fog_entries(config) * config.format(F::fog_factor).word;
   if (has_light(config.light)) {
-    // Where there are points, N and L have a table each.
-    const std::int64_t roots = has_light_points(config) ? 2 : 1;
+    // A table each of N, L, 1 + k Nz, d + K and P.
+    const bool to_viewer = has_light_fall(config) && falls_to_viewer(config.light_fall_to);
+    const std::int64_t roots = 1 + (lights_turn(config) ? 1 : 0) + (has_lunar(config) ? 1 : 0) +
+                               (has_light_fall(config) ? 1 : 0) + (to_viewer ? 1 : 0);
     bits += roots * (std::int64_t{2} << config.light_root.index_bits) * config.light_root.table_bits;
     bits += ((std::int64_t{1} << config.light_index_bits) + 1) * config.format(F::light_specular).word;
   }

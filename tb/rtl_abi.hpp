@@ -33,7 +33,7 @@ namespace bitspan {
 
 // The bits of a port of shades, the lowest ones in word 0. The port's width says how many there are.
 struct RtlShades {
-  std::uint64_t words[19];
+  std::uint64_t words[32];
 };
 
 #define BITSPAN_RTL_MEMBER(name) std::uint64_t name;

@@ -540,26 +540,16 @@ class Device : public sc_core::sc_module,
     expect(from.reserved == 0, BS_TLM_BAD_VALUE, "reserved is not 0");
     begin_scene();
     for (const bs_tlm_vertex& v : from.vertices) {
-      vertices_.push_back({sizeof(bs_vertex),
-                           v.x,
-                           v.y,
-                           v.s,
-                           v.u,
-                           v.v,
-                           v.r,
-                           v.g,
-                           v.b,
-                           v.a,
-                           -1.0,
-                           0.0,
-                           0.0,
-                           0.0,
-                           -1.0,
-                           0.0,
-                           0.0,
-                           0.0,
-                           0.0,
-                           0.0});
+      bs_vertex& to = vertices_.emplace_back(bs_vertex BS_VERTEX_INIT);
+      to.x = v.x;
+      to.y = v.y;
+      to.s = v.s;
+      to.u = v.u;
+      to.v = v.v;
+      to.r = v.r;
+      to.g = v.g;
+      to.b = v.b;
+      to.a = v.a;
     }
     texture_of_.push_back(from.texture);
   }

@@ -211,12 +211,15 @@ typedef struct bs_vertex {
   /* In a scene with a light: the outward normal in the viewer's space, of any length up to 2; default 0:
    * ambient light alone. */
   double nx, ny, nz;
+  /* With light.normal = map, where the second texture is a map of normals: where the light stands in its
+   * field, column, row and height, in its texels; default 0. */
+  double lx, ly, lz;
 } bs_vertex;
 
 #define BS_VERTEX_INIT                                                                                   \
   {                                                                                                      \
     sizeof(bs_vertex), 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, \
-        0.0, 0.0, 0.0                                                                                    \
+        0.0, 0.0, 0.0, 0.0, 0.0, 0.0                                                                     \
   }
 
 /* A light that casts shadows on a scene that the library reads. Its points are in the world of a mesh and of

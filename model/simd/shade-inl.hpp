@@ -928,7 +928,7 @@ void brighten_block(const Pipeline& pipeline, const FragmentBlock<T>& block, int
     };
     const TowardOf<Lanes> toward = light.places_fit_int64 ? from_here.template operator()<Lanes>()
                                                           : from_here.template operator()<WideLanes>();
-    store_as(out + k, shine<Lanes, Wide>(light, n, toward, watch).value);
+    store_as(out + k, shine<Lanes, Wide>(light, n, light.given_normal.fraction, toward, watch).value);
   }
 }
 
@@ -954,7 +954,7 @@ void light_block(const Pipeline& pipeline, const ShadePlan& plan, const Fragment
     for (std::size_t i = 0; i < given.normal.size(); ++i) {
       given.normal[i] = block.channel[static_cast<std::size_t>(channels.normal_at) + i][k];
     }
-    brighten(pipeline.light, fragment, distance_of(pipeline, fragment), given, record);
+    brighten(pipeline.light, fragment, distance_of(pipeline, fragment), given, {}, record);
     out[k] = static_cast<T>(record.value);
   }
 }

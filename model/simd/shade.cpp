@@ -405,7 +405,7 @@ void prepare_view(ShadePlan& plan, const Pipeline& pipeline, const Config& confi
 
 bool holds_state(const ShadePlan& plan, const Pipeline& pipeline) {
   if (pipeline.state.translucency_pass != TranslucencyPass::all) return false;
-  if (pipeline.light.is_on && !plan.holds_lit) return false;
+  if (pipeline.light.is_on && (!plan.holds_lit || pipeline.light.has_map)) return false;
   if (pipeline.channels.any() && !pipeline.channels.fits_int64()) return false;
   if (!pipeline.texture_second.is_on()) return plan.holds_any;
   if (!plan.holds_second || !pipeline.project.is_on) return plan.holds_second;

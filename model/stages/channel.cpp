@@ -50,8 +50,9 @@ int growth_of_product(const Config& config, const InverseDepth& q, const Channel
 
 bool asks_for(const Scene& scene, LineId channel) {
   if (channel == LineId::fog) return scene.fog.has_value();
-  const bool is_of_light =
-      channel == LineId::nx || channel == LineId::ny || channel == LineId::nz || channel == LineId::light;
+  using enum LineId;
+  const bool is_of_light = channel == nx || channel == ny || channel == nz || channel == light ||
+                           channel == lx || channel == ly || channel == lz;
   if (is_of_light) return scene.light.has_value();
   const bool is_projected =
       channel == LineId::project_x || channel == LineId::project_y || channel == LineId::project_w;
@@ -101,6 +102,12 @@ std::int64_t vertex_value(const ChannelStage& stage, const ChannelForm& form, co
       return quantize(exact_of(v.u2), form.vertex, watch);
     case LineId::v2:
       return quantize(exact_of(v.v2), form.vertex, watch);
+    case LineId::lx:
+      return quantize(exact_of(v.lx), form.vertex, watch);
+    case LineId::ly:
+      return quantize(exact_of(v.ly), form.vertex, watch);
+    case LineId::lz:
+      return quantize(exact_of(v.lz), form.vertex, watch);
     case LineId::nx:
       return quantize(exact_of(v.nx), form.vertex, watch);
     case LineId::ny:
@@ -184,6 +191,7 @@ ChannelStage prepare_channels(const Config& config, const Constants& constants, 
   s.second_at = s.place_of(LineId::u2);
   s.normal_at = s.place_of(LineId::nx);
   s.light_at = s.place_of(LineId::light);
+  s.relief_at = s.place_of(LineId::lx);
   if (s.light_at >= 0) s.light = prepare_light(config, constants, scene);
   for (ChannelForm& form : s.in_use) form.product_growth = growth_of_product(config, s.q, form);
   if (scene.fog) s.fog_distance = scene.fog->distance;

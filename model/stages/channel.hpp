@@ -63,7 +63,7 @@ struct ChannelStage {
   LightStage light;            // of the channel light
   // Channels in the places of fields that depth and texture read, and those of light, by their place in
   // in_use; -1: none.
-  int depth_at = -1, shades_at = -1, second_at = -1, normal_at = -1, light_at = -1;
+  int depth_at = -1, shades_at = -1, second_at = -1, normal_at = -1, light_at = -1, relief_at = -1;
 
   bool any() const { return !in_use.empty(); }
   bool fits_int64() const { return std::ranges::all_of(in_use, &ChannelForm::fits_int64); }
@@ -164,11 +164,17 @@ inline const FragmentRecord& as_second(const ChannelStage& stage, const Fragment
 }
 
 // What light takes.
-inline LightChannels light_channels(const ChannelStage& stage, const FragmentChannels* channels) {
+inline LightChannels light_channels(const ChannelStage& stage, const FragmentRecord& fragment,
+                                    const FragmentChannels* channels) {
   LightChannels out;
   const auto w = [&](int at) { return (*channels)[static_cast<std::size_t>(at)].w; };
   if (stage.normal_at >= 0) out.normal = {w(stage.normal_at), w(stage.normal_at + 1), w(stage.normal_at + 2)};
   if (stage.light_at >= 0) out.value = w(stage.light_at);
+  if (stage.relief_at >= 0) {
+    out.place = {w(stage.relief_at), w(stage.relief_at + 1), w(stage.relief_at + 2)};
+    out.at = {stage.second_at >= 0 ? w(stage.second_at) : fragment.u,
+              stage.second_at >= 0 ? w(stage.second_at + 1) : fragment.v};
+  }
   return out;
 }
 

@@ -122,23 +122,26 @@ HWY_INLINE ValueOf<Int> lunar_cosine(const LightStage& stage, ValueOf<Int> cosin
   return quantize(times<Int>(cosine, inverse.v),
                   inverse.e + V(stage.cosine.fraction + stage.inverse.fraction), stage.cosine, watch);
 }
-// n: raw, normal.value. Wide: what the square of its length fits.
+// n: in 2^-n_fraction; of a map's field where the stage has a map. Wide: what the square of its length fits.
 template <class Int, class Wide, class Watch>
 HWY_INLINE ShineOf<ValueOf<Int>> shine(const LightStage& stage, const VectorOf<ValueOf<Int>>& n,
-                                       const TowardOf<ValueOf<Int>>& toward, Watch watch) {
+                                       int n_fraction, const TowardOf<ValueOf<Int>>& toward, Watch watch) {
   using V = ValueOf<Int>;
   ShineOf<V> out;
   const VectorOf<V>& direction = toward.direction;
-  out.normal = of_length_1<Int, Wide>(stage.root, n, stage.given_normal.fraction, stage.normal, watch);
+  out.normal = of_length_1<Int, Wide>(stage.root, n, n_fraction, stage.normal, watch);
   const auto share = [&](std::size_t i) HWY_ATTR { return times<Int>(out.normal[i], direction[i]); };
   out.cosine = quantize(share(0) + share(1) + share(2), stage.normal.fraction + stage.direction.fraction,
                         stage.cosine, watch);
-  // The viewer is at (0, 0, -1).
-  const int twice = stage.cosine.fraction + stage.normal.fraction - 1;
-  const int grid = std::max(stage.direction.fraction, twice);
-  out.mirrored = quantize((Int(direction[2]) << (grid - stage.direction.fraction)) -
-                              (times<Int>(out.cosine, out.normal[2]) << (grid - twice)),
-                          grid, stage.cosine, watch);
+  out.mirrored = V(0);
+  // The viewer is at (0, 0, -1); where a map's field sees it, is not known.
+  if (!stage.has_map) {
+    const int twice = stage.cosine.fraction + stage.normal.fraction - 1;
+    const int grid = std::max(stage.direction.fraction, twice);
+    out.mirrored = quantize((Int(direction[2]) << (grid - stage.direction.fraction)) -
+                                (times<Int>(out.cosine, out.normal[2]) << (grid - twice)),
+                            grid, stage.cosine, watch);
+  }
   out.specular = V(0);
   const auto is_lit = out.cosine > V(0);
   const auto shines = is_lit & (out.mirrored > V(0));
@@ -146,7 +149,7 @@ HWY_INLINE ShineOf<ValueOf<Int>> shine(const LightStage& stage, const VectorOf<V
     out.specular = select(shines, highlight_of<Int>(stage, max(out.mirrored, V(0)), watch), V(0));
   }
   V scattered = max(out.cosine, V(0));
-  if (stage.is_lunar) scattered = lunar_cosine<Int>(stage, scattered, out.normal[2], watch);
+  if (stage.is_lunar && !stage.has_map) scattered = lunar_cosine<Int>(stage, scattered, out.normal[2], watch);
   const int sum_grid = std::max(stage.cosine.fraction, stage.specular.fraction);
   const Int sum =
       ((constant<Int>(stage.diffuse) * Int(scattered)) << (sum_grid - stage.cosine.fraction)) +

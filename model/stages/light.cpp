@@ -38,7 +38,31 @@ std::int64_t power_of(std::int64_t j, int bits, int power, const Register& r, Wa
   return quantize(floor << 1 | (sticky ? 1 : 0), fraction + 1, r, watch);
 }
 
+// From a fragment to the light, in the field of a map of normals.
+template <class Watch>
+std::array<std::int64_t, 3> direction_in_field(const LightStage& stage, const LightChannels& channels,
+                                               Watch watch) {
+  const int grid = std::max({stage.relief.fraction, stage.uv.fraction, 0});
+  const auto place = [&](std::size_t i) { return channels.place[i] << (grid - stage.relief.fraction); };
+  const auto at = [&](std::size_t i) { return channels.at[i] << (grid - stage.uv.fraction); };
+  return text::of_length_1<int128, int128>(stage.root, {place(0) - at(0), place(1) - at(1), place(2)}, grid,
+                                           stage.direction, watch);
+}
+
+// The texel as a normal, 255 times as long, in 2^-fraction of texture.mix.
+std::array<std::int64_t, 3> normal_of(const LightStage& stage, const TextureRecord& texture) {
+  const int up = std::max(-stage.texel.fraction, 0);
+  const auto part = [&](std::int64_t code) {
+    return 2 * (code << up) - (std::int64_t{255} << (stage.texel.fraction + up));
+  };
+  return {part(texture.texel_r), part(texture.texel_g), part(texture.texel_b)};
+}
+
 }  // namespace
+
+void set_light(LightStage& stage, const DrawState& state) {
+  stage.has_map = stage.is_on && stage.takes_map && has_relief(state);
+}
 
 template <class Watch>
 LightStage prepare_light(const Config& config, const Constants& constants, const Scene& scene, Watch watch) {
@@ -76,6 +100,10 @@ LightStage prepare_light(const Config& config, const Constants& constants, const
   s.direction = make_register(config, FormatId::light_direction);
   s.cosine = make_register(config, FormatId::light_cosine);
   s.specular = make_register(config, FormatId::light_specular);
+  s.takes_map = has_relief(config);
+  s.relief = make_register(config, FormatId::relief_value);
+  s.uv = make_register(config, FormatId::span_uv);
+  s.texel = make_register(config, FormatId::texture_mix);
   s.inverse = make_register(config, FormatId::light_inverse);
   s.lunar = make_register(config, FormatId::light_lunar);
   s.distance = make_register(config, FormatId::light_distance);
@@ -115,7 +143,7 @@ LightStage prepare_light(const Config& config, const Constants& constants, const
   s.highlight = quantize(exact_of(light.specular), s.value, watch);
   s.diffuse =
       quantize(Exact{1, 0} - value_of(s.ambient, s.value) - value_of(s.highlight, s.value), s.value, watch);
-  s.lunar_k = quantize(exact_of(light.lunar), s.lunar, watch);
+  if (s.is_lunar) s.lunar_k = quantize(exact_of(light.lunar), s.lunar, watch);
   if (s.falls) {
     s.per_reach = scaled(inverse_of(light.reach), -s.exponent);
     s.offset = quantize(exact_of(light.offset), s.distance, watch);
@@ -136,22 +164,29 @@ std::int64_t light_at(const LightStage& stage, const Vertex& v, const Register& 
   const auto toward = text::toward_light<int128, int128, int128>(stage, x, y, stage.coordinate.fraction, s,
                                                                  stage.vertex_s.fraction, watch);
   const auto normal = [&](double w) { return quantize(exact_of(w), stage.given_normal, watch); };
-  const auto shone =
-      text::shine<int128, int128>(stage, {normal(v.nx), normal(v.ny), normal(v.nz)}, toward, watch);
+  const auto shone = text::shine<int128, int128>(stage, {normal(v.nx), normal(v.ny), normal(v.nz)},
+                                                 stage.given_normal.fraction, toward, watch);
   return quantize(value_of(shone.value, stage.value), vertex, watch);
 }
 
 template <class Watch>
 void brighten(const LightStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
-              const LightChannels& channels, LightRecord& out, Watch watch) {
+              const LightChannels& channels, const TextureRecord& texture, LightRecord& out, Watch watch) {
   out = {};
   out.triangle = fragment.triangle;
   out.x = fragment.x;
   out.y = fragment.y;
   if (stage.at_pixels) {
-    const auto toward = text::toward_light<int128, int128, int128>(
-        stage, 2 * fragment.x + 1, 2 * fragment.y + 1, 1, distance.s, stage.pixel_s.fraction, watch);
-    const auto shone = text::shine<int128, int128>(stage, channels.normal, toward, watch);
+    auto toward = text::toward_light<int128, int128, int128>(stage, 2 * fragment.x + 1, 2 * fragment.y + 1, 1,
+                                                             distance.s, stage.pixel_s.fraction, watch);
+    text::ShineOf<std::int64_t> shone;
+    if (stage.has_map) {
+      toward.direction = direction_in_field(stage, channels, watch);
+      shone =
+          text::shine<int128, int128>(stage, normal_of(stage, texture), stage.texel.fraction, toward, watch);
+    } else {
+      shone = text::shine<int128, int128>(stage, channels.normal, stage.given_normal.fraction, toward, watch);
+    }
     out.nx = shone.normal[0];
     out.ny = shone.normal[1];
     out.nz = shone.normal[2];
@@ -170,7 +205,7 @@ void brighten(const LightStage& stage, const FragmentRecord& fragment, const Dis
 template <class Watch>
 void light(const LightStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
            const LightChannels& channels, const TextureRecord& texture, LightRecord& out, Watch watch) {
-  brighten(stage, fragment, distance, channels, out, watch);
+  brighten(stage, fragment, distance, channels, texture, out, watch);
   const auto times = [&](std::int64_t c) { return text::lit<int128>(stage, c, out.value, watch); };
   out.r = times(texture.r);
   out.g = times(texture.g);
@@ -182,7 +217,7 @@ template LightStage prepare_light(const Config&, const Constants&, const Scene&,
 template std::int64_t light_at(const LightStage&, const Vertex&, const Register&, NoObserve);
 template std::int64_t light_at(const LightStage&, const Vertex&, const Register&, Observe);
 template void brighten(const LightStage&, const FragmentRecord&, const DistanceRecord&, const LightChannels&,
-                       LightRecord&, NoObserve);
+                       const TextureRecord&, LightRecord&, NoObserve);
 template void light(const LightStage&, const FragmentRecord&, const DistanceRecord&, const LightChannels&,
                     const TextureRecord&, LightRecord&, NoObserve);
 template void light(const LightStage&, const FragmentRecord&, const DistanceRecord&, const LightChannels&,

@@ -19,12 +19,15 @@ struct LightStage {
   bool is_on = false;  // the configuration has the stage, and the view a light
   bool at_pixels = false, at_faces = false;
   bool is_point = false;
+  bool takes_map = false;  // of normals, where the draw state has one:
+  bool has_map = false;
   bool is_lunar = false;
   bool falls = false, by_square = false, to_viewer = false;  // with a distance, to that
   bool takes_place = false;                                  // of what is lit
   ReciprocalRoot root;
   Register given_normal, position, normal, direction, cosine, specular, value, color;
   Register inverse, lunar, distance, fall;
+  Register relief, uv, texel;  // of a map of normals
   Register coordinate, vertex_s, pixel_s;
   int exponent = 0;                                      // E: distances are divided by 2^E
   Exact scale;                                           // 1 / F
@@ -43,6 +46,8 @@ template <class Watch = NoObserve>
 LightStage prepare_light(const Config& config, const Constants& constants, const Scene& scene,
                          Watch watch = {});
 
+void set_light(LightStage& stage, const DrawState& state);
+
 // The channel light at a vertex, raw in `vertex`.
 template <class Watch = NoObserve>
 std::int64_t light_at(const LightStage& stage, const Vertex& v, const Register& vertex, Watch watch = {});
@@ -51,11 +56,16 @@ std::int64_t light_at(const LightStage& stage, const Vertex& v, const Register& 
 struct LightChannels {
   std::array<std::int64_t, 3> normal{};  // raw, normal.value; at pixels
   std::int64_t value = 0;                // raw, light.value; else
+  // Over a map of normals: where the light is in it, raw, relief.value, and the fragment, span.uv.
+  std::array<std::int64_t, 3> place{};
+  std::array<std::int64_t, 2> at{};
 };
-// The brightness of a fragment, and at pixels what it is made of; distance: where a light stands at a point.
+// The brightness of a fragment, and at pixels what it is made of; distance: where a light stands at a point;
+// texture: behind both units, of a map.
 template <class Watch = NoObserve>
 void brighten(const LightStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,
-              const LightChannels& channels, LightRecord& out, Watch watch = {});
+              const LightChannels& channels, const TextureRecord& texture, LightRecord& out,
+              Watch watch = {});
 // The same, and the colour of a fragment that is drawn.
 template <class Watch = NoObserve>
 void light(const LightStage& stage, const FragmentRecord& fragment, const DistanceRecord& distance,

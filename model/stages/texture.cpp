@@ -85,6 +85,12 @@ AlphaTest alpha_test_of(CompareFunc func, std::int64_t ref, const Register& alph
   return {func, least(ref), least(ref + 1)};
 }
 
+void set_kill(TextureStage& stage, const DrawState& state) {
+  stage.pass = state.translucency_pass;
+  stage.alpha_test = alpha_test_of(state.alpha_func, state.alpha_ref, stage.alpha);
+  stage.kills_zero = state.alpha_zero == AlphaZero::kill;
+}
+
 namespace {
 
 bool takes_alpha(TranslucencyPass pass, const Register& alpha, std::int64_t a) {

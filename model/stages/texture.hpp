@@ -93,6 +93,9 @@ constexpr TextureStage prepare_texture(const Config& config) {
   return s;
 }
 
+// Which alphas a unit kills.
+void set_kill(TextureStage& stage, const DrawState& state);
+
 // A comparison that takes the place of a texel, of textures of the format depth: white where it holds.
 struct TexelTest {
   const DepthFormats* depth = nullptr;  // null: texels are taken as they are

@@ -31,6 +31,8 @@ HWY_INLINE Scaled<Int> combined_color(const TextureSecondStage& stage, ValueOf<I
       return texel;
     case TextureOp::modulate:
       return first * factor;
+    case TextureOp::relief:
+      return first;
     case TextureOp::decal:
       return first * one_minus(alpha) + texel * alpha;
     case TextureOp::blend:
@@ -63,6 +65,7 @@ HWY_INLINE void combine(const TextureSecondStage& stage, const std::array<ValueO
       color[3] = texel[3];
       break;
     case TextureOp::decal:
+    case TextureOp::relief:
       break;
     case TextureOp::modulate:
     case TextureOp::blend:

@@ -22,9 +22,7 @@ TextureSecondStage prepare_texture_second(const Config& config) {
 
 void set_texture_second(TextureSecondStage& stage, const DrawState& state, const Texture* image) {
   stage.image = image;
-  stage.fetch.kills_zero = state.alpha_zero == AlphaZero::kill;
-  stage.fetch.pass = state.translucency_pass;
-  stage.fetch.alpha_test = alpha_test_of(state.alpha_func, state.alpha_ref, stage.fetch.alpha);
+  set_kill(stage.fetch, state);
   stage.fetch.lookup = second_lookup(state);
   stage.compares = is_projected(state) && state.texture1_compare && image != nullptr &&
                    image->format == TexelFormat::depth;
@@ -137,6 +135,10 @@ TextureRecord combined(const TextureRecord& first, const TextureSecondRecord& se
   out.b = second.b;
   out.a = second.a;
   out.killed = second.killed;
+  // A map of normals is for light.
+  out.texel_r = second.texel_r;
+  out.texel_g = second.texel_g;
+  out.texel_b = second.texel_b;
   return out;
 }
 

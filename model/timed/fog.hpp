@@ -11,7 +11,8 @@ inline void fog_values(Run& run, FragmentItem& item) {
   if (run.pipeline.light.is_on) {
     LightRecord shone;
     model::light(run.pipeline.light, item.fragment, item.distance,
-                 model::light_channels(run.pipeline.channels, &item.channels), item.texel, shone);
+                 model::light_channels(run.pipeline.channels, item.fragment, &item.channels), item.texel,
+                 shone);
     deliver(run.trace, shone);
     item.texel = model::lit(item.texel, shone);
   }

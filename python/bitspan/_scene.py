@@ -15,7 +15,7 @@ from ._core import InputError, SceneHandle, texel_formats
 #: The columns of a vertex and their defaults: [pixel], [unit of s], [texel], 0 to 1.
 VERTEX = {"x": 0.0, "y": 0.0, "s": 1.0, "u": 0.0, "v": 0.0, "r": 1.0, "g": 1.0, "b": 1.0, "a": 1.0, "fog": -1.0,
           "project_x": 0.0, "project_y": 0.0, "project_w": 0.0, "z": -1.0, "u2": 0.0, "v2": 0.0, "nx": 0.0, "ny": 0.0,
-          "nz": 0.0}
+          "nz": 0.0, "lx": 0.0, "ly": 0.0, "lz": 0.0}
 
 
 def _vertices(vertices: Any) -> NDArray[np.float64]:
@@ -171,8 +171,8 @@ class Scene:
                     project_x, project_y, project_w [W is the distance along the projector's axis, X / W and Y / W are column
                     and row of its texture]; z [depth of depth.line = z, 0 nearest to 1; -1: it follows from s]; u2, v2 [texel,
                     of the second unit with texture.second = own]; nx, ny, nz [outward normal in the viewer's space, of any
-                    length up to 2]; k from 3 to 19, the columns left out are 0, 0, 1, 1, 1, 1, -1, 0, 0, 0, -1, 0, 0, 0,
-                    0, 0
+                    length up to 2]; lx, ly, lz [texel, column, row and height of the light in the field of a map of
+                    normals]; k from 3 to 22, the columns left out are 0, 0, 1, 1, 1, 1, -1, 0, 0, 0, -1, 0, 0, 0, 0, 0, 0, 0, 0
         texture     the index into `textures` per triangle, or one for all; -1: none
         textures    (height, width, 3 or 4) arrays of uint8, or Texels
         s_range     the range of s that the formats are scaled for

@@ -91,7 +91,7 @@ class SceneHandle {
  public:
   static SceneHandle load(const std::string& name_or_path, std::int32_t width, std::int32_t height,
                           std::optional<std::int32_t> frame, const std::optional<Shadow>& shadow);
-  // vertices: (n, 3, 19), the members of bs_vertex in their order.
+  // vertices: (n, 3, 22), the members of bs_vertex in their order.
   // texture_of: (n).
   static SceneHandle make(
       const nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>& vertices,

@@ -21,7 +21,7 @@
 namespace bitspan::python {
 namespace {
 
-constexpr std::size_t columns = 19;  // those of VERTEX in _scene.py
+constexpr std::size_t columns = 22;  // those of VERTEX in _scene.py
 static_assert(sizeof(bs_vertex) == sizeof(std::size_t) + columns * sizeof(double));
 
 using Rgb = std::array<std::uint8_t, 3>;

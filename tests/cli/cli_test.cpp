@@ -545,6 +545,44 @@ TEST_F(Cli, AMeshHasALight) {
   refused("render demo --light=1,2,3 -o x.png", "--light is for meshes");
 }
 
+// A wall whose normals are in a map, under a light on either side.
+TEST_F(Cli, AWallHasARelief) {
+  std::string toml = run("config show --toml depth16").out;
+  toml.insert(toml.find("wrap = "), "second = \"own\"\n");
+  folder.write("r.toml", toml.insert(toml.find("[fog]"),
+                                     "[light]\nat = \"pixel\"\nsource = \"point\"\nnormal = \"map\"\n\n"));
+  folder.write("wall.obj",
+               "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+               "f 1/1 2/2 3/3 4/4\n");
+  folder.write("plain.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nf 1 2 3\n");
+  // The left half faces the left, the right half the right.
+  write_png(folder.path("map.png"), 2, 1, 3, std::vector<std::uint8_t>{38, 128, 217, 217, 128, 217});
+  const std::string wall =
+      "wall.obj --size 64x48 --yaw 0 --pitch 0 --config r.toml --relief map.png --light=";
+  const auto halves = [&](const std::string& light) {
+    const Result r = run("render " + wall + light + " -o w.png --emit-tri w.tri");
+    EXPECT_EQ(r.code, 0) << r.err;
+    EXPECT_EQ(run("verify " + wall + light + " --engines golden,model,systemc").code, 0);
+    EXPECT_EQ(run("render w.tri --config r.toml -o v.png").code, 0);
+    EXPECT_EQ(folder.read("w.png"), folder.read("v.png"));
+    const Texture image = read_texture(folder.path("w.png"));
+    const auto red = [&](int x) { return int{image.rgba[4 * static_cast<std::size_t>(24 * 64 + x)]}; };
+    return std::pair(red(26), red(38));
+  };
+  const auto [near_left, far_right] = halves("-2,0,1,0.1,0,1");
+  EXPECT_GT(near_left, far_right + 60);
+  const auto [far_left, near_right] = halves("2,0,1,0.1,0,1");
+  EXPECT_GT(near_right, far_left + 60);
+  refused("render " + wall.substr(0, wall.find(" --light")) + " -o x.png", "expected --light beside it");
+  refused("render wall.obj --config depth16 --relief map.png --light=1,2,3 -o x.png", "texture.second");
+  refused("render plain.obj --config r.toml --relief map.png --light=1,2,3 -o x.png",
+          "the mesh has no texture coordinates");
+  refused("render " + wall + "1,2,3 --texture1 map.png -o x.png", "expected no --texture1 beside it");
+  std::string without = wall;
+  refused("render " + without.replace(without.find("map.png"), 7, "none.png") + "1,2,3 -o x.png", "none.png");
+  refused("render demo --config r.toml --relief map.png -o x.png", "--relief is for meshes");
+}
+
 // Two panes of glass that cut each other, in either order of their faces.
 TEST_F(Cli, GlassIsBlendedFromBackToFront) {
   folder.write("g.mtl", "newmtl red\nKd 1 0.2 0.1\nd 0.5\nnewmtl blue\nKd 0.1 0.2 1\nd 0.6\n");

@@ -418,6 +418,38 @@ TEST(Range, ALightAsksForItsPlaceAndThePointsItIsSeenFrom) {
   EXPECT_TRUE(names(refusal(c, near), F::light_scale)) << "16 / 12.5";
 }
 
+TEST(Range, ALightAsksForItsLawsAndItsField) {
+  Config c = shipped_config("depth16");
+  c.light = LightAt::pixel;
+  c.light_source = LightSource::point;
+  c.light_law = LightLaw::lunar;
+  c.light_fall = LightFall::first;
+  c.light_normal = LightNormal::map;
+  Scene scene;
+  scene.s_max = 16;
+  Triangle& triangle = scene.triangles.emplace_back();
+  triangle.v = {Vertex{3, 1, 4, 0, 0}, Vertex{90, 5, 8, 0, 0}, Vertex{5, 80, 2, 0, 0}};
+  scene.light = Light{.is_point = true, .place = {0, 0, 1}, .lunar = 6, .reach = 4, .offset = 40};
+  EXPECT_EQ(refusal(c, scene), "");
+  const auto with = [&](F id, int integer) {
+    Config narrow = c;
+    Format& f = narrow.format(id);
+    f.word += integer - f.integer;
+    f.integer = integer;
+    return refusal(narrow, scene);
+  };
+  EXPECT_EQ(with(F::light_lunar, 3), "") << "1 + 6";
+  EXPECT_TRUE(names(with(F::light_lunar, 2), F::light_lunar));
+  EXPECT_EQ(with(F::light_distance, 6), "") << "40";
+  EXPECT_TRUE(names(with(F::light_distance, 5), F::light_distance));
+  scene.light->reach = 0;
+  EXPECT_EQ(with(F::light_distance, 5), "") << "it does not fall";
+  triangle.v[1].lx = 1000;
+  triangle.v[2].lz = -2000;
+  EXPECT_EQ(with(F::relief_vertex, 12), "");
+  EXPECT_TRUE(names(with(F::relief_vertex, 11), F::relief_vertex));
+}
+
 TEST(Range, DegenerateAndInvisibleTrianglesAskForNothingTheyDoNotUse) {
   Config c = shipped_config("depth16");
   Scene scene;

@@ -8,7 +8,7 @@
 
 #include "bitspan/bitspan.h"
 
-_Static_assert(BS_ABI_VERSION == 8, "renew the numbers below and tests/lib/libbitspan.abi");
+_Static_assert(BS_ABI_VERSION == 9, "renew the numbers below and tests/lib/libbitspan.abi");
 _Static_assert(BS_OK == 0 && BS_DIFFERENT == 1 && BS_BAD_INPUT == 2 && BS_BAD_HANDLE == 3, "status");
 _Static_assert(BS_BAD_ORDER == 4 && BS_UNSUPPORTED == 5 && BS_BUSY == 6 && BS_NO_MEMORY == 7, "status");
 _Static_assert(BS_INTERNAL == 8, "status");

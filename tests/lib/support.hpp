@@ -73,7 +73,10 @@ struct Described {
                             v.v2,
                             v.nx,
                             v.ny,
-                            v.nz});
+                            v.nz,
+                            v.lx,
+                            v.ly,
+                            v.lz});
       }
       texture_of.push_back(t.texture);
     }

@@ -394,7 +394,7 @@ TEST(Trib, WhatIsNotLegalIsRefusedAtItsRecord) {
   refused(
       with_kinds(bytes_of(2U) + plain_kind + kind(tag('Q'), 16)), 28,
       "records of the tag 51 00 00 00 are not known; expected 43 00 00 00, 43 2b 00 00, or 54 00 00 00 to 54 "
-      "ff 07 00");
+      "ff 3f 00");
   refused(with_kinds(bytes_of(3U) + plain_kind + command_kind + plain_kind), 36,
           "records of the tag 54 00 00 00 are listed twice; expected once");
   refused(with_kinds(bytes_of(1U) + command_kind), 8 + 8 + 12 + header.size() + 8,

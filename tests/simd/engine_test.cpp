@@ -323,7 +323,10 @@ int compare_with(const std::string& what, Ask ask, Put put) {
     const Pipeline pipeline = make_pipeline(c, scene);
     const ShadePlan plan = prepare_shade(pipeline, c, scene);
     in_lanes += holds_state(plan, pipeline) ? 1 : 0;
-    brightened += pipeline.light.at_pixels && holds_state(plan, pipeline) && plan.holds_brightness ? 1 : 0;
+    brightened += pipeline.light.is_on && pipeline.light.at_pixels && holds_state(plan, pipeline) &&
+                          plan.holds_brightness
+                      ? 1
+                      : 0;
   }
   EXPECT_GT(written, 100000U);
   EXPECT_GT(in_lanes, 50);

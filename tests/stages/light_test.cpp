@@ -290,6 +290,63 @@ TEST(Light, FallsWithTheDistance) {
   EXPECT_EQ(bright.brightness(), 2 - 0x1p-15);
 }
 
+// A texel of a map, and where the light stands in its field; the fragment is at 5, 7.
+LightRecord over_map(const std::array<int, 3>& texel, const std::array<double, 3>& place,
+                     const Light& light) {
+  Config c = config_of(LightAt::pixel, LightSource::point);
+  c.light_normal = LightNormal::map;
+  c.light_law = LightLaw::lunar;
+  Scene scene = worked_scene();
+  scene.light = light;
+  model::LightStage stage = model::prepare_light(c, model::make_constants(c, scene), scene);
+  DrawState state = first_state(c);
+  state.texture1 = 0;
+  state.texture1_op = TextureOp::relief;
+  model::set_light(stage, state);
+  EXPECT_TRUE(stage.has_map);
+  const auto raw = [&](double x, F id) {
+    return static_cast<std::int64_t>(std::ldexp(x, c.format(id).fraction()));
+  };
+  model::LightChannels channels;
+  channels.normal = {raw(0, F::normal_value), 0, raw(1, F::normal_value)};  // away from the viewer: not read
+  for (std::size_t i = 0; i < 3; ++i) channels.place[i] = raw(place[i], F::relief_value);
+  channels.at = {raw(5, F::span_uv), raw(7, F::span_uv)};
+  TextureRecord texture;
+  texture.texel_r = raw(texel[0], F::texture_mix);
+  texture.texel_g = raw(texel[1], F::texture_mix);
+  texture.texel_b = raw(texel[2], F::texture_mix);
+  LightRecord out;
+  model::light(stage, {}, {}, channels, texture, out);
+  return out;
+}
+
+TEST(Light, ReliefIsLitInTheMapsField) {
+  const Config c = config_of(LightAt::pixel);
+  const auto cosine = [&](const std::array<int, 3>& texel, const std::array<double, 3>& place) {
+    Light light = toward(0, 0, -1, 0.125, 0.5);
+    light.lunar = 3;
+    const LightRecord r = over_map(texel, place, light);
+    EXPECT_EQ(r.mirrored, 0);
+    EXPECT_EQ(r.specular, 0);
+    const double found = decoded(r.cosine, c.format(F::light_cosine));
+    EXPECT_NEAR(decoded(r.value, c.format(F::light_value)), 0.125 + 0.375 * std::max(found, 0.0), 1e-4);
+    return found;
+  };
+  // Flat, with the light straight above, at 45 degrees along u, and below.
+  const double flat = 127.5 / std::hypot(127.5, 0.5, 0.5);
+  EXPECT_NEAR(cosine({128, 128, 255}, {5, 7, 40}), flat, 1e-5);
+  EXPECT_NEAR(cosine({128, 128, 255}, {45, 7, 40}), std::sqrt(0.5), 0.004);
+  EXPECT_LT(cosine({128, 128, 255}, {5, 7, -40}), -0.99);
+  // A slope that faces along u, and one along v.
+  EXPECT_NEAR(cosine({255, 128, 128}, {1005, 7, 0}), 1, 1e-4);
+  EXPECT_NEAR(cosine({0, 128, 128}, {1005, 7, 0}), -1, 1e-4);
+  EXPECT_NEAR(cosine({128, 255, 128}, {5, 1007, 0}), 1, 1e-4);
+  EXPECT_NEAR(cosine({128, 0, 128}, {5, -993, 0}), 1, 1e-4);
+  // 3 : 4 : 12 of both.
+  EXPECT_NEAR(cosine({157, 166, 244}, {5 + 30, 7 + 40, 120}),
+              (3 * 59 + 4 * 77 + 12 * 233) / (13 * std::hypot(59, 77, 233)), 1e-5);
+}
+
 TEST(Light, NeedsTheConfigurationsLeave) {
   Scene scene = random_scene(3, {});
   const Light lights[] = {{.is_point = true, .place = {0, 0, 1}}, {.lunar = 1}, {.reach = scene.s_max}};
@@ -341,6 +398,7 @@ TEST(Light, GoldenIsTheModel) {
         Config c = config_of(at, source);
         c.perspective = all_perspectives[seed % std::size(all_perspectives)];
         if (seed % 2 == 0) c.light_law = LightLaw::lunar;
+        if (at == LightAt::pixel && seed % 3 != 0) c.light_normal = LightNormal::map;
         if (has_points(source)) {
           c.light_fall = std::array{LightFall::none, LightFall::first, LightFall::second}[seed % 3];
           c.light_fall_to = seed % 4 < 2 ? LightFallTo::light : LightFallTo::viewer;
@@ -427,7 +485,7 @@ TEST(Light, AFaceHasItsFirstVertex) {
 
 // Each key, and each register, has a say in the records of some mode, and golden follows.
 TEST(Light, EveryKeyMovesSomething) {
-  Scene with_all = random_lit(8, {.point = true});
+  Scene with_all = random_lit(8, {.point = true, .map = true});
   with_all.light->lunar = 1.75;
   with_all.light->reach = with_all.s_max;
   with_all.light->offset = 0.25;
@@ -440,6 +498,7 @@ TEST(Light, EveryKeyMovesSomething) {
       for (const bool points : {true, false}) {
         Config c = config_of(at, points ? LightSource::point : LightSource::parallel);
         c.row_slope = rows;
+        if (points && at == LightAt::pixel) c.light_normal = LightNormal::map;
         if (points) {
           c.light_law = LightLaw::lunar;
           c.light_fall = LightFall::second;
@@ -459,13 +518,15 @@ TEST(Light, EveryKeyMovesSomething) {
     still.push_back(name);
   };
   const auto coarser = [](F id) { return [id](Config& c) { c.format(id).word -= 7; }; };
-  for (const F id : {F::normal_vertex, F::normal_step, F::normal_acc, F::normal_value, F::light_vertex,
-                     F::light_step, F::light_acc, F::light_scale, F::light_position, F::light_root,
-                     F::light_normal, F::light_direction, F::light_cosine, F::light_specular,
-                     F::light_inverse, F::light_lunar, F::light_distance, F::light_fall, F::light_value}) {
+  for (const F id :
+       {F::normal_vertex,   F::normal_step,  F::normal_acc,     F::normal_value,  F::relief_vertex,
+        F::relief_step,     F::relief_acc,   F::relief_value,   F::light_vertex,  F::light_step,
+        F::light_acc,       F::light_scale,  F::light_position, F::light_root,    F::light_normal,
+        F::light_direction, F::light_cosine, F::light_specular, F::light_inverse, F::light_lunar,
+        F::light_distance,  F::light_fall,   F::light_value}) {
     try_key(std::string(key_of(id)), coarser(id));
   }
-  for (const F id : {F::normal_grad, F::light_grad}) {
+  for (const F id : {F::normal_grad, F::relief_grad, F::light_grad}) {
     try_key(std::string(key_of(id)), coarser(id), RowSlope::plane);
   }
   try_key("light.index_bits", [](Config& c) { c.light_index_bits = 3; });
@@ -479,7 +540,8 @@ TEST(Light, EveryKeyMovesSomething) {
     if (falls(c.light_fall)) c.light_fall = LightFall::first;
   });
   try_key("light.fall_to", [](Config& c) { c.light_fall_to = LightFallTo::viewer; });
-  EXPECT_EQ(tried, 29U);
+  try_key("light.normal", [](Config& c) { c.light_normal = LightNormal::channel; });
+  EXPECT_EQ(tried, 35U);
 }
 
 TEST(Light, KeysMustFit) {
@@ -490,6 +552,10 @@ TEST(Light, KeysMustFit) {
   EXPECT_EQ(first_violation(c)->key, "light.root.index_bits");
   c.light = LightAt::none;
   EXPECT_FALSE(first_violation(c));
+  c = config_of(LightAt::vertex);
+  c.light_normal = LightNormal::map;
+  ASSERT_TRUE(first_violation(c));
+  EXPECT_EQ(first_violation(c)->key, "light.normal");
   c = config_of(LightAt::pixel);
   c.light_fall = LightFall::first;
   ASSERT_TRUE(first_violation(c));

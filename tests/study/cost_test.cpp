@@ -273,7 +273,11 @@ std::vector<Config> further_modes() {
   for (const LightAt at : {LightAt::pixel, LightAt::vertex}) {
     Config lit = base;
     lit.light = at;
+    if (lights_pixels(at)) lit.light_normal = LightNormal::map;
+    add(lit);
     lit.light_source = LightSource::point;
+    lit.light_law = LightLaw::lunar;
+    lit.light_fall = LightFall::second;
     add(lit);
     lit.row_slope = RowSlope::plane;
     add(lit);
@@ -340,6 +344,19 @@ TEST(Cost, ALightByHand) {
                                                   2 * (c.coordinate_bits + 5) * (s + 24) + 3 * 33 * 33 +
                                                   root + 3 * 33 * 22);
   EXPECT_EQ(table_bits(c) - table_bits(without), 2 * 128 * 10 + 513 * 18);
+  const auto more = [before = c](const Config& now) {
+    return bits_of(multipliers(now), "light") - bits_of(multipliers(before), "light");
+  };
+  Config lunar = c;
+  lunar.light_law = LightLaw::lunar;
+  EXPECT_EQ(more(lunar), 20 * 20 + root + 22 * 22 + 20 * 24);
+  Config falls = c;
+  falls.light_fall = LightFall::second;
+  EXPECT_EQ(more(falls), 3 * 33 * 20 + 32 * 24 + 28 * 28 + root + 22 * 22 + 18 * 16);
+  falls.light_fall_to = LightFallTo::viewer;
+  EXPECT_EQ(more(falls),
+            3 * 32 * 32 + root + 3 * 32 * 22 + 3 * 32 * 20 + 32 * 24 + 28 * 28 + root + 22 * 22 + 18 * 16);
+  EXPECT_EQ(table_bits(lunar) - table_bits(c), 128 * 10);
 }
 
 TEST(Cost, EveryWidthMovesACost) {

@@ -387,6 +387,7 @@ TEST(KeyEffects, Rtl) {
   for (const LightAt at : {LightAt::pixel, LightAt::vertex}) {
     all.push_back(shipped_config("depth16"));
     all.back().light = at;
+    if (lights_pixels(at)) all.back().light_normal = LightNormal::map;
   }
   const auto package = [](const Config& c) -> std::string {
     if (!has_rtl(c)) return "";
@@ -421,7 +422,7 @@ TEST(KeyEffects, Rtl) {
 bool needs_more(const Key& key) {
   return key.path == "project.unit" || key.path.starts_with("formats.project.") ||
          key.path.starts_with("light.") || key.path.starts_with("formats.light.") ||
-         key.path.starts_with("formats.normal.");
+         key.path.starts_with("formats.normal.") || key.path.starts_with("formats.relief.");
 }
 
 class KeyEffectsOnValues : public testing::TestWithParam<std::size_t> {};
