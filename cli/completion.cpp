@@ -40,7 +40,7 @@ std::string values_of(const CLI::Option& option) {
     for (const SuiteFeature& feature : suite_features()) words += feature.name + "/* ";
     return words;
   }
-  if (name == "scene" || name == "study") return fmt::format("demo floor mirror extreme {}", files);
+  if (name == "scene" || name == "study") return fmt::format("demo floor mirror room extreme {}", files);
   // A choice: "TEXT:{cycle,span}".
   const std::string type = option.get_type_name();
   const std::size_t open = type.find('{');

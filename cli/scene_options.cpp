@@ -131,6 +131,7 @@ SceneOptions seen_with(const Config& config, SceneOptions options) {
   options.light_by_unit = has_light(config.light);
   options.light_points = has_light_points(config);
   options.light_relief = has_relief(config);
+  options.room = room_options(config);
   options.config = config;
   return options;
 }
@@ -514,6 +515,12 @@ std::vector<LoadedScene> scenes_of_pixels(const std::string& name, const SceneOp
     const Size size = picture_size(options.size);
     const auto make = name == "floor" ? floor_scene : mirror_scene;
     out.push_back({make(size.width, size.height), std::nullopt});
+    return out;
+  }
+  if (name == "room") {
+    refuse_camera(name, options);
+    const Size size = picture_size(options.size);
+    out.push_back({room_scene(options.room, size.width, size.height), std::nullopt});
     return out;
   }
   if (name.starts_with(triangles_prefix)) {

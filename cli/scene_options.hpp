@@ -15,6 +15,7 @@
 #include "scene/picture_size.hpp"
 #include "scene/pieces.hpp"
 #include "scene/project.hpp"
+#include "scene/room.hpp"
 #include "scene/scene.hpp"
 
 namespace CLI {
@@ -35,6 +36,7 @@ struct SceneOptions {
   bool unlit = false;
   // By the configuration: whether brightness is formed by its unit, and whether lights stand at points.
   bool light_by_unit = false, light_points = false, light_relief = false;
+  RoomOptions room;          // by the configuration, too
   std::string shadow;        // "x,y,z" or "x,y,z,X,Y,Z,degrees"
   std::string shadow_plane;  // "x,y,z,nx,ny,nz"
   bool shadow_volumes = false;

@@ -904,6 +904,15 @@ void under_back_light(Scene& scene) {
   scene.light->exponent = 2;
 }
 
+// The light beyond the surfaces, and half of them turned away from the viewer, toward it.
+void under_turned_light(Scene& scene) {
+  under_light(scene);
+  scene.light->place[2] *= -4;
+  for (std::size_t i = 0; i < scene.triangles.size(); i += 2) {
+    for (Vertex& v : scene.triangles[i].v) v.nz = -v.nz;
+  }
+}
+
 void add_light(std::vector<SuiteFeature>& out) {
   using enum RecordType;
   struct Unit {
@@ -914,6 +923,7 @@ void add_light(std::vector<SuiteFeature>& out) {
     LightNormal normal = LightNormal::channel;
     LightFall fall = LightFall::none;
     LightFallTo fall_to = LightFallTo::light;
+    double reach = 1.25, offset = 0.375;  // the former of the middle of the distances
     std::vector<Register> state{};
   };
   const auto set = [](const Unit& unit) {
@@ -928,8 +938,8 @@ void add_light(std::vector<SuiteFeature>& out) {
       c.light_fall_to = unit.fall_to;
       if (s.light && is_lunar(unit.law)) s.light->lunar = 2.5;
       if (s.light && falls(unit.fall)) {
-        s.light->reach = 1.25 * std::sqrt(s.s_min * s.s_max);
-        s.light->offset = 0.375;
+        s.light->reach = unit.reach * std::sqrt(s.s_min * s.s_max);
+        s.light->offset = unit.offset;
       }
       state(c, s);
     };
@@ -953,6 +963,7 @@ void add_light(std::vector<SuiteFeature>& out) {
     add(fmt::format("light_lunar.{}", to_string(at)), fog, {.at = at, .law = LightLaw::lunar}, {.at = at},
         under_light);
   }
+  add("light_lunar.turned_away", fog, {.law = LightLaw::lunar}, {}, under_turned_light);
   for (const LightFall fall : {LightFall::first, LightFall::second}) {
     for (const LightFallTo to : {LightFallTo::light, LightFallTo::viewer}) {
       add(fmt::format("light_fall.{}_to_{}", to_string(fall), to_string(to)), fog,
@@ -965,6 +976,10 @@ void add_light(std::vector<SuiteFeature>& out) {
   add("light_fall.of_a_far_light", fog,
       {.source = point, .fall = LightFall::first, .fall_to = LightFallTo::viewer}, {.source = point},
       under_light);
+  // So near that a register of the distance's square holds 0.
+  add("light_fall.within_reach", fog,
+      {.source = point, .fall = LightFall::second, .reach = 2000, .offset = 0}, {.source = point},
+      under_lamp);
   const std::vector<Register> by_map{{"texture1", 1}, {"texture1.op", number(TextureOp::relief)}};
   for (const LightSource source : {LightSource::parallel, LightSource::point}) {
     add(fmt::format("light_relief.{}", to_string(source)), fog,

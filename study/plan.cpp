@@ -384,14 +384,14 @@ std::vector<std::string> flags_beside(const std::string& path, std::vector<std::
 
 std::vector<std::string> read_scenes(const Section& study, std::string_view key, const std::string& path) {
   const std::string legal =
-      "an array of scenes: demo, floor, extreme, extreme/NAME, triangles/SIZE, streams (.tri, .trib), "
+      "an array of scenes: demo, floor, room, extreme, extreme/NAME, triangles/SIZE, streams (.tri, .trib), "
       "meshes, each with @CAMERA or without, and with flags of a scene or without";
   std::vector<std::string> out;
   for (const std::string& name : study.texts(key, legal)) {
     if (name == "-") study.fail(key, "standard input is read once, and a study goes on later; legal: files");
     const auto [named, flags] = split_flags(name);
     const std::string scene = split_view(named).scene;
-    const bool embedded = scene == "demo" || scene == "floor" || scene == "extreme" ||
+    const bool embedded = scene == "demo" || scene == "floor" || scene == "room" || scene == "extreme" ||
                           scene.starts_with("extreme/") || scene.starts_with("triangles/");
     const std::string found = embedded ? named : file_beside(path, named);
     std::error_code ignored;

@@ -24,9 +24,12 @@ def main() -> int:
         return 2
     bitspan, base, out = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
     with tempfile.TemporaryDirectory() as scratch:
-        def draw(name: str, config: pathlib.Path, *flags: str) -> None:
-            subprocess.run([bitspan, "render", SPOT, "--config", str(config), "--size", SIZE, "--distance", "2.6", *flags,
+        def render(name: str, scene: str, config: pathlib.Path, *flags: str) -> None:
+            subprocess.run([bitspan, "render", scene, "--config", str(config), "--size", SIZE, *flags,
                             "-o", str(out / f"{name}.png")], check=True, stdout=subprocess.DEVNULL)
+
+        def draw(name: str, config: pathlib.Path, *flags: str) -> None:
+            render(name, SPOT, config, "--distance", "2.6", *flags)
 
         draw("light-none", base, "--unlit")
         def with_keys(name: str, keys: str) -> pathlib.Path:
@@ -42,6 +45,9 @@ def main() -> int:
         draw("light-lunar", moon, "--light=4.7,3.4,-8.1,0.05,0,1,3")
         draw("light-falls", with_keys("falls", '[light]\nat = "pixel"\nsource = "point"\nfall = "second"'),
              "--light=0.9,1.1,-1.2,0,0,1,0,0.9,0")
+        room = with_keys("room", '[project]\nunit = "reciprocal"\n\n[light]\nat = "pixel"\nsource = "point"\nnormal = "map"')
+        render("room-plain", "room", base)
+        render("room", "room", room)
         mapped = pathlib.Path(scratch) / "mapped.toml"
         mapped.write_text(base.read_text().replace("wrap = ", 'second = "own"\nwrap = ', 1))
         draw("light-map", mapped, "--light-map=0.9,1.1,-1.2,0.9")

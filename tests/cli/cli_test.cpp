@@ -545,6 +545,23 @@ TEST_F(Cli, AMeshHasALight) {
   refused("render demo --light=1,2,3 -o x.png", "--light is for meshes");
 }
 
+// What each of two configurations draws of the room.
+TEST_F(Cli, ARoomFollowsTheConfiguration) {
+  std::string toml = run("config show --toml depth16").out;
+  folder.write("r.toml", toml.insert(toml.find("[fog]"),
+                                     "[project]\nunit = \"reciprocal\"\n\n[light]\nat = \"pixel\"\nsource = "
+                                     "\"point\"\nnormal = \"map\"\n\n"));
+  const std::string room = "room --size 64x48";
+  for (const std::string config : {"depth16", "r.toml"}) {
+    const Result r = run("verify " + room + " --engines golden,model,systemc --config " + config);
+    EXPECT_EQ(r.code, 0) << r.out << r.err;
+    EXPECT_EQ(r.out.find("light") != std::string::npos, config == "r.toml") << r.out;
+  }
+  refused("render room --size 100x10 -o x.png", "100x10 is not legal for the room");
+  refused("render room --light=1,2,3 -o x.png", "--light is for meshes");
+  refused("render room --config r.toml --shadow=1,2,3 -o x.png", "a shadow");
+}
+
 // A wall whose normals are in a map, under a light on either side.
 TEST_F(Cli, AWallHasARelief) {
   std::string toml = run("config show --toml depth16").out;

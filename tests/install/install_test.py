@@ -319,7 +319,7 @@ class Pages(Installed):
         self.assertEqual(self.complete("bitspan", "render", "--engine", ""), {"golden", "model", "systemc", "rtl", "ideal"})
         self.assertEqual(self.complete("bitspan", "sim", "--mode", ""), {"cycle", "span"})
         (self.work / "mesh.obj").write_text("")
-        self.assertEqual(self.complete("bitspan", "verify", ""), {"demo", "extreme", "floor", "mirror", "mesh.obj"})
+        self.assertEqual(self.complete("bitspan", "verify", ""), {"demo", "extreme", "floor", "mirror", "room", "mesh.obj"})
         self.assertEqual(self.complete("bitspan", "render", "demo", "-o", "m"), {"mesh.obj"})
 
 
