@@ -81,8 +81,16 @@ void check_dump(const std::string& folder) {
   if (folder.empty()) return;
   const std::filesystem::path path(folder);
   std::error_code no;
-  const bool exists = std::filesystem::is_directory(path, no);
-  check_writable((exists ? path / "run.json" : path.has_filename() ? path : path.parent_path()).string());
+  const auto exists = [&] { return std::filesystem::is_directory(path, no); };
+  if (!exists()) {
+    try {
+      check_writable((path.has_filename() ? path : path.parent_path()).string());
+      return;
+    } catch (const InputError&) {
+      if (!exists()) throw;  // else another program has made it since
+    }
+  }
+  check_writable((path / "run.json").string());
 }
 
 // The scene with each texture as the fetch gives it, in 8-bit RGBA.
