@@ -13,34 +13,17 @@
 #include "scene/geometry.hpp"
 #include "scene/plan.hpp"
 #include "scene/project.hpp"
+#include "scene/shapes.hpp"
 #include "scene/transform.hpp"
 
 namespace bitspan {
 namespace {
 
-using Rgba = std::array<std::uint8_t, 4>;
-
 constexpr Rgba transparent_code{255, 0, 255, 255};
-
-Texture make_texture(std::string name, int width, int height, const std::function<Rgba(int, int)>& texel) {
-  Texture texture{std::move(name), width, height, {}};
-  texture.rgba.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 4);
-  for (int j = 0; j < height; ++j) {
-    for (int i = 0; i < width; ++i) {
-      const Rgba value = texel(i, j);
-      texture.rgba.insert(texture.rgba.end(), value.begin(), value.end());
-    }
-  }
-  return texture;
-}
 
 // Returns a repeatable speckle in -range..range.
 int speckle(int i, int j, int range) {
-  auto h = static_cast<std::uint32_t>(i) * 0x9e3779b1U ^ static_cast<std::uint32_t>(j) * 0x85ebca77U;
-  h ^= h >> 15;
-  h *= 0x2c1b3c6dU;
-  h ^= h >> 13;
-  return static_cast<int>(h % static_cast<std::uint32_t>(2 * range + 1)) - range;
+  return static_cast<int>(texel_hash(i, j) % static_cast<std::uint32_t>(2 * range + 1)) - range;
 }
 
 Rgba tone(int r, int g, int b, int change) {
@@ -94,15 +77,11 @@ enum DemoTexture { floor_texture, brick_texture, wood_texture, globe_texture, gr
 using Color = std::array<double, 4>;
 constexpr Color white{1, 1, 1, 1};
 
-// Rounds to 2^-16 of a unit, so that the last bits of a mathematical library do not show.
-double grid(double x) { return std::round(x * 65536) / 65536; }
-Vec3 grid(const Vec3& p) { return {grid(p.x), grid(p.y), grid(p.z)}; }
-
 // L1 of the lecture notes: Lambert with an ambient share.
 Color lit(const Vec3& normal, const Color& color) {
   const Vec3 light{0.48, 0.8, 0.36};  // length 1
   const double n = length(normal);
-  const double shade = grid(0.35 + 0.65 * std::max(0.0, dot(normal, light) / (n > 0 ? n : 1)));
+  const double shade = on_grid(0.35 + 0.65 * std::max(0.0, dot(normal, light) / (n > 0 ? n : 1)));
   return {color[0] * shade, color[1] * shade, color[2] * shade, color[3]};
 }
 
@@ -110,12 +89,12 @@ Color lit(const Vec3& normal, const Color& color) {
 // bottom right, top right, top left.
 void add_quad(std::vector<Face>& faces, const std::array<Vec3, 4>& p, double u0, double v0, double u1,
               double v1, const std::array<Color, 4>& c, int texture) {
-  const std::array<Corner, 4> q{{{{p[0]}, {u0, v1, c[0]}},
-                                 {{p[1]}, {u1, v1, c[1]}},
-                                 {{p[2]}, {u1, v0, c[2]}},
-                                 {{p[3]}, {u0, v0, c[3]}}}};
-  faces.push_back({{q[0], q[1], q[2]}, texture, false});
-  faces.push_back({{q[0], q[2], q[3]}, texture, false});
+  add_quad(faces,
+           {{{{p[0]}, {u0, v1, c[0]}},
+             {{p[1]}, {u1, v1, c[1]}},
+             {{p[2]}, {u1, v0, c[2]}},
+             {{p[3]}, {u0, v0, c[3]}}}},
+           texture);
 }
 
 void add_flat_quad(std::vector<Face>& faces, const std::array<Vec3, 4>& p, double u, double v, int texture) {
@@ -123,26 +102,14 @@ void add_flat_quad(std::vector<Face>& faces, const std::array<Vec3, 4>& p, doubl
   add_quad(faces, p, 0, 0, u, v, {c, c, c, c}, texture);
 }
 
-// A box standing on the floor, turned about its upright axis.
+// u, v: texels of a side; the top is as deep as it is wide.
 void add_box(std::vector<Face>& faces, const Vec3& foot, double half_x, double half_z, double height,
              double turn, double u, double v, int texture) {
-  const double c = std::cos(turn), s = std::sin(turn);
-  const auto at = [&](double x, double y, double z) {
-    return grid(foot + Vec3{c * x + s * z, y, c * z - s * x});
-  };
-  constexpr std::array<std::array<double, 2>, 4> ring{{{-1, 1}, {1, 1}, {1, -1}, {-1, -1}}};
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto& a = ring[i];
-    const auto& b = ring[(i + 1) % 4];
-    add_flat_quad(faces,
-                  {at(a[0] * half_x, 0, a[1] * half_z), at(b[0] * half_x, 0, b[1] * half_z),
-                   at(b[0] * half_x, height, b[1] * half_z), at(a[0] * half_x, height, a[1] * half_z)},
-                  u, v, texture);
+  auto sides = box_sides(foot, half_x, half_z, height, turn);
+  for (std::array<Vec3, 4>& side : sides) {
+    for (Vec3& p : side) p = on_grid(p);
+    add_flat_quad(faces, side, u, &side == &sides.back() ? u : v, texture);
   }
-  add_flat_quad(faces,
-                {at(-half_x, height, half_z), at(half_x, height, half_z), at(half_x, height, -half_z),
-                 at(-half_x, height, -half_z)},
-                u, u, texture);
 }
 
 void add_pyramid(std::vector<Face>& faces, const Vec3& foot, double half, double height, double turn,
@@ -151,7 +118,7 @@ void add_pyramid(std::vector<Face>& faces, const Vec3& foot, double half, double
   std::array<Vec3, 4> base;
   for (std::size_t i = 0; i < 4; ++i) {
     const double a = turn + std::numbers::pi / 2 * (static_cast<double>(i) + 0.5);
-    base[i] = grid(foot + Vec3{half * std::cos(a), 0, -half * std::sin(a)});
+    base[i] = on_grid(foot + Vec3{half * std::cos(a), 0, -half * std::sin(a)});
   }
   for (std::size_t i = 0; i < 4; ++i) {
     const Vec3& a = base[i];
@@ -166,19 +133,11 @@ void add_pyramid(std::vector<Face>& faces, const Vec3& foot, double half, double
 void add_surface(std::vector<Face>& faces, int columns, int rows, double u, double v, int texture,
                  const std::function<std::pair<Vec3, Vec3>(double, double)>& point_and_normal,
                  const std::function<Color(double, double)>& color) {
-  const auto corner = [&](int i, int j) {
+  add_surface(faces, columns, rows, texture, [&](int i, int j) {
     const double a = static_cast<double>(i) / columns, b = static_cast<double>(j) / rows;
     const auto [position, normal] = point_and_normal(a, b);
-    return Corner{{grid(position)}, {u * a, v * (1 - b), lit(normal, color(a, b))}};
-  };
-  for (int j = 0; j < rows; ++j) {
-    for (int i = 0; i < columns; ++i) {
-      const Corner p0 = corner(i, j), p1 = corner(i + 1, j), p2 = corner(i + 1, j + 1), p3 = corner(i, j + 1);
-      // At the poles of a sphere one half of the quad has no area.
-      if (p0.position != p1.position) faces.push_back({{p0, p1, p2}, texture, false});
-      if (p2.position != p3.position) faces.push_back({{p0, p2, p3}, texture, false});
-    }
-  }
+    return Corner{{on_grid(position)}, {u * a, v * (1 - b), lit(normal, color(a, b))}};
+  });
 }
 
 void add_sphere(std::vector<Face>& faces, const Vec3& centre, double radius, int texture) {
@@ -208,7 +167,7 @@ void add_torus(std::vector<Face>& faces, const Vec3& centre, double large, doubl
         return std::pair{centre + turned(out * large + n * small), turned(n)};
       },
       [](double a, double b) {
-        const auto wave = [](double t) { return grid(0.6 + 0.4 * std::cos(2 * std::numbers::pi * t)); };
+        const auto wave = [](double t) { return on_grid(0.6 + 0.4 * std::cos(2 * std::numbers::pi * t)); };
         return Color{wave(a), wave(a + 1.0 / 3), wave(b), 1};
       });
 }
@@ -231,24 +190,6 @@ void add_floor(std::vector<Face>& faces, int texture) {
            4 * far, 4 * half, 8, {white, white, white, white}, texture);
 }
 
-// The picture, the range of s and the sky of both scenes.
-Scene empty_scene(const char* name, int width, int height) {
-  if (width < 1 || height < 1 || width > 16384 || height > 16384 || width > 2.4 * height) {
-    throw InputError("size: " + std::to_string(width) + "x" + std::to_string(height) +
-                     " is not legal for the " + name +
-                     "; expected 1..16384 pixels, width at most 2.4 times height");
-  }
-  Scene scene;
-  scene.name = name;
-  scene.width = width;
-  scene.height = height;
-  scene.s_min = 1;
-  scene.s_max = 1000;
-  scene.focal = std::max(0.95 * height, 0.65 * width);
-  scene.background = {176, 196, 214};
-  return scene;
-}
-
 Viewpoint view_of(const Scene& scene, const Vec3& target) {
   Viewpoint view = viewer_of(scene);
   look_at(view, {0, 7, 0}, target, {0, 1, 0});
@@ -257,9 +198,9 @@ Viewpoint view_of(const Scene& scene, const Vec3& target) {
 
 // The textures of the demo, by the numbers above.
 std::vector<Texture> demo_textures() {
-  return {make_texture("floor.png", 32, 32, floor_texel),   make_texture("brick.png", 48, 30, brick_texel),
-          make_texture("wood.png", 37, 53, wood_texel),     make_texture("globe.png", 64, 48, globe_texel),
-          make_texture("grille.png", 20, 20, grille_texel), make_texture("glass.png", 52, 24, glass_texel)};
+  return {painted("floor.png", 32, 32, floor_texel),   painted("brick.png", 48, 30, brick_texel),
+          painted("wood.png", 37, 53, wood_texel),     painted("globe.png", 64, 48, globe_texel),
+          painted("grille.png", 20, 20, grille_texel), painted("glass.png", 52, 24, glass_texel)};
 }
 
 std::vector<Face> demo_solids() {
@@ -288,7 +229,7 @@ std::vector<Face> demo_sheets() {
 
 Scene floor_scene(int width, int height) {
   Scene scene = empty_scene("floor", width, height);
-  scene.textures = {make_texture("checker.png", 64, 64, checker_texel)};
+  scene.textures = {painted("checker.png", 64, 64, checker_texel)};
   const Viewpoint view = view_of(scene, {3, 4, -24});
   std::vector<Face> faces;
   add_floor(faces, 0);
@@ -318,7 +259,7 @@ Scene mirror_scene(int width, int height) {
   scene.textures = demo_textures();
   constexpr int size = 256;  // of the mirror's picture, pixels
   const auto mirror_texture = static_cast<int>(scene.textures.size());
-  scene.textures.push_back(make_texture("mirror.png", size, size, [](int, int) { return Rgba{}; }));
+  scene.textures.push_back(painted("mirror.png", size, size, [](int, int) { return Rgba{}; }));
   const Vec3 eye{0, 7, 0};
   constexpr double at = -36, half = 7.5, low = 1, high = 13;  // z, and the ends of x and y
 

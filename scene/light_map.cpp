@@ -9,6 +9,7 @@
 
 #include "config/config.hpp"
 #include "scene/plan.hpp"
+#include "scene/shapes.hpp"
 
 namespace bitspan {
 namespace {
@@ -45,19 +46,13 @@ double nearest(const Face& face, const Vec3& point) {
 }  // namespace
 
 Texture light_texture(int side) {
-  Texture out;
-  out.name = "light.png";
-  out.width = out.height = side;
   const double g = radius_of(side);
-  for (int j = 0; j < side; ++j) {
-    for (int i = 0; i < side; ++i) {
-      const double x = i + 0.5 - 0.5 * side, y = j + 0.5 - 0.5 * side;
-      const double eta = std::pow(1 + (x * x + y * y) / (g * g), -1.5);
-      const auto code = static_cast<std::uint8_t>(std::lround(255 * eta));
-      out.rgba.insert(out.rgba.end(), {code, code, code, 255});
-    }
-  }
-  return out;
+  return painted("light.png", side, side, [&](int i, int j) {
+    const double x = i + 0.5 - 0.5 * side, y = j + 0.5 - 0.5 * side;
+    const double eta = std::pow(1 + (x * x + y * y) / (g * g), -1.5);
+    const auto code = static_cast<std::uint8_t>(std::lround(255 * eta));
+    return Rgba{code, code, code, 255};
+  });
 }
 
 StateChange light_map_state() {

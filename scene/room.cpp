@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/room.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <numbers>
 #include <vector>
 
@@ -16,6 +13,7 @@
 #include "scene/project.hpp"
 #include "scene/relief.hpp"
 #include "scene/shadow.hpp"
+#include "scene/shapes.hpp"
 
 namespace bitspan {
 namespace {
@@ -26,35 +24,18 @@ constexpr int exponent = 24;
 
 enum RoomTexture { boards_texture, bricks_texture, normals_texture };
 
-// Rounds to 2^-16 of a unit, so that the last bits of a mathematical library do not show.
-Vec3 on_grid(const Vec3& p) {
-  const auto grid = [](double x) { return std::round(x * 65536) / 65536; };
-  return {grid(p.x), grid(p.y), grid(p.z)};
-}
-
 // A repeatable number 0..1.
-double grain(int i, int j) {
-  auto h = static_cast<std::uint32_t>(i) * 0x9e3779b1U ^ static_cast<std::uint32_t>(j) * 0x85ebca77U;
-  h = (h ^ h >> 15) * 0x2c1b3c6dU;
-  h ^= h >> 13;
-  return static_cast<double>(h % 4096) / 4095;
-}
+double grain(int i, int j) { return static_cast<double>(texel_hash(i, j) % 4096) / 4095; }
 
 using Rgb = std::array<double, 3>;
-Texture texture_of(const char* name, int width, int height, const std::function<Rgb(int, int)>& texel) {
-  Texture out;
-  out.name = name;
-  out.width = width;
-  out.height = height;
-  for (int j = 0; j < height; ++j) {
-    for (int i = 0; i < width; ++i) {
-      for (const double c : texel(i, j)) {
-        out.rgba.push_back(static_cast<std::uint8_t>(std::lround(255 * std::clamp(c, 0.0, 1.0))));
-      }
-      out.rgba.push_back(255);
-    }
-  }
-  return out;
+Texture texture_of(const char* name, int width, int height, Rgb (*texel)(int, int)) {
+  return painted(name, width, height, [texel](int i, int j) {
+    const Rgb value = texel(i, j);
+    const auto code = [&](std::size_t c) {
+      return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value[c], 0.0, 1.0)));
+    };
+    return Rgba{code(0), code(1), code(2), 255};
+  });
 }
 
 Rgb board(int i, int j) {
@@ -106,34 +87,14 @@ void add_quad(std::vector<Face>& faces, const std::array<Vec3, 4>& p, double u, 
     q[i].v2 = q[i].v;
     set_normal(q[i], n);
   }
-  faces.push_back({{q[0], q[1], q[2]}, texture, false});
-  faces.push_back({{q[0], q[2], q[3]}, texture, false});
-}
-
-void add_box(std::vector<Face>& faces, const Vec3& foot, double half, double height, double turn,
-             const Color& color) {
-  const double c = std::cos(turn), s = std::sin(turn);
-  const auto at = [&](double x, double y, double z) { return foot + Vec3{c * x + s * z, y, c * z - s * x}; };
-  constexpr std::array<std::array<double, 2>, 4> ring{{{-1, 1}, {1, 1}, {1, -1}, {-1, -1}}};
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto& a = ring[i];
-    const auto& b = ring[(i + 1) % 4];
-    add_quad(faces,
-             {at(a[0] * half, 0, a[1] * half), at(b[0] * half, 0, b[1] * half),
-              at(b[0] * half, height, b[1] * half), at(a[0] * half, height, a[1] * half)},
-             0, 0, color, -1);
-  }
-  add_quad(
-      faces,
-      {at(-half, height, half), at(half, height, half), at(half, height, -half), at(-half, height, -half)}, 0,
-      0, color, -1);
+  add_quad(faces, q, texture);
 }
 
 // A body of revolution about an axis through `middle`, of a circle of radius `thick` whose centre goes round
 // at `around`, 0 for a ball.
 void add_round(std::vector<Face>& faces, const Vec3& middle, double around, double thick, int columns,
                int rows, const Color& color) {
-  const auto corner = [&](int i, int j) {
+  add_surface(faces, columns, rows, -1, [&](int i, int j) {
     const double a = 2 * std::numbers::pi * i / columns;
     const double b = around > 0 ? 2 * std::numbers::pi * j / rows
                                 : std::numbers::pi * (static_cast<double>(j) / rows - 0.5);
@@ -142,22 +103,16 @@ void add_round(std::vector<Face>& faces, const Vec3& middle, double around, doub
     Corner c{{on_grid(middle + out * around + n * thick)}, {0, 0, color}};
     set_normal(c, n);
     return c;
-  };
-  for (int j = 0; j < rows; ++j) {
-    for (int i = 0; i < columns; ++i) {
-      const Corner p0 = corner(i, j), p1 = corner(i + 1, j), p2 = corner(i + 1, j + 1), p3 = corner(i, j + 1);
-      // At the poles of a ball one half of the quad has no area.
-      if (p0.position != p1.position) faces.push_back({{p0, p1, p2}, -1, false});
-      if (p2.position != p3.position) faces.push_back({{p0, p2, p3}, -1, false});
-    }
-  }
+  });
 }
 
 std::vector<Face> solids() {
   std::vector<Face> out;
   add_quad(out, {Vec3{-5, 0, 5}, {5, 0, 5}, {5, 0, -3}, {-5, 0, -3}}, 640, 512, {1, 1, 1, 1}, boards_texture);
   add_round(out, {-1.35, 0.8, -0.2}, 0, 0.8, 72, 36, {0.95, 0.93, 0.86, 1});
-  add_box(out, {1.35, 0, -1}, 0.55, 1.1, 0.5, {0.35, 0.62, 0.5, 1});
+  for (const std::array<Vec3, 4>& side : box_sides({1.35, 0, -1}, 0.55, 0.55, 1.1, 0.5)) {
+    add_quad(out, side, 0, 0, {0.35, 0.62, 0.5, 1}, -1);
+  }
   add_round(out, {0.35, 0.22, 1}, 0.45, 0.22, 48, 20, {0.9, 0.62, 0.16, 1});
   return out;
 }
@@ -185,17 +140,7 @@ RoomOptions room_options(const Config& config) {
 }
 
 Scene room_scene(const RoomOptions& options, int width, int height) {
-  if (width < 1 || height < 1 || width > 16384 || height > 16384 || width > 2.4 * height) {
-    throw InputError(
-        fmt::format("size: {}x{} is not legal for the room; expected 1..16384 pixels, width at most "
-                    "2.4 times height",
-                    width, height));
-  }
-  Scene scene;
-  scene.name = "room";
-  scene.width = width;
-  scene.height = height;
-  scene.s_min = 1;
+  Scene scene = empty_scene("room", width, height);
   scene.s_max = 16;
   scene.focal = std::max(1.3 * height, 0.9 * width);
   scene.background = {24, 26, 32};
