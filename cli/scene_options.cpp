@@ -116,10 +116,10 @@ void refuse_size(const std::string& name, const Scene& scene, const SceneOptions
 }  // namespace
 
 SceneOptions seen_with(const Config& config, SceneOptions options) {
-  for (const auto& [value, flag] :
+  for (const auto& [given, flag] :
        {std::pair{&options.texture1, "--texture1"}, std::pair{&options.light_map, "--light-map"},
         std::pair{&options.relief, "--relief"}}) {
-    if (!value->empty() && !has_second_coordinates(config.second_coordinates)) {
+    if (!given->empty() && !has_second_coordinates(config.second_coordinates)) {
       throw InputError(
           fmt::format("{}: the configuration gives the second texture unit the first one's coordinates; "
                       "expected one with texture.second = \"own\"",
@@ -192,48 +192,54 @@ std::optional<ShadowOptions> shadow_of(const SceneOptions& o) {
 std::optional<LightOptions> light_of(const SceneOptions& o) {
   if (o.light.empty()) return std::nullopt;
   if (o.unlit) throw InputError("--unlit: draws without light; expected no --light beside it");
-  const auto commas = static_cast<std::size_t>(std::ranges::count(o.light, ','));
-  const bool has_shares = commas > 2, has_lunar = commas > 5, falls = commas > 6;
-  const auto n =
-      parse_numbers(o.light, "--light",
-                    falls        ? 9
-                    : has_lunar  ? 7
-                    : has_shares ? 6
-                                 : 3,
-                    falls        ? "a light that falls x,y,z,ambient,specular,exponent,lunar,reach,offset"
-                    : has_lunar  ? "a light with the lunar law x,y,z,ambient,specular,exponent,lunar"
-                    : has_shares ? "a light and its shares x,y,z,ambient,specular,exponent"
-                                 : "a light x,y,z");
-  LightOptions out{.place = {n[0], n[1], n[2]}, .is_point = o.light_points, .by_unit = o.light_by_unit};
-  if (has_shares) {
+  // Each form has the numbers of those in front of it.
+  struct Form {
+    std::size_t count;
+    const char* text;
+  };
+  constexpr Form forms[] = {{3, "a light x,y,z"},
+                            {6, "a light and its shares x,y,z,ambient,specular,exponent"},
+                            {7, "a light with the lunar law x,y,z,ambient,specular,exponent,lunar"},
+                            {9, "a light that falls x,y,z,ambient,specular,exponent,lunar,reach,offset"}};
+  const auto given = static_cast<std::size_t>(std::ranges::count(o.light, ',')) + 1;
+  const Form* form = std::ranges::find_if(forms, [&](const Form& f) { return given <= f.count; });
+  if (form == std::end(forms)) --form;
+  const auto n = parse_numbers(o.light, "--light", form->count, form->text);
+  LightOptions out{.light = {.is_point = o.light_points, .place = {n[0], n[1], n[2]}},
+                   .by_unit = o.light_by_unit};
+  if (form->count >= 6) {
     if (n[5] != std::floor(n[5]) || std::abs(n[5]) > light_exponent_limit) {
       throw InputError(fmt::format("--light: the exponent {} is not legal; expected a whole number 1..{}",
                                    n[5], light_exponent_limit));
     }
-    out.ambient = n[3];
-    out.specular = n[4];
-    out.exponent = static_cast<int>(n[5]);
+    out.light.ambient = n[3];
+    out.light.specular = n[4];
+    out.light.exponent = static_cast<int>(n[5]);
   }
-  if (has_lunar) out.lunar = n[6];
-  if (falls) {
-    out.reach = n[7];
-    out.offset = n[8];
+  if (form->count >= 7) out.light.lunar = n[6];
+  if (form->count >= 9) {
+    out.light.reach = n[7];
+    out.light.offset = n[8];
   }
   check_light(out, "--light");
   return out;
+}
+
+// Which of others, by their flags, is given beside what says so.
+void refuse_beside(std::string_view what,
+                   std::initializer_list<std::pair<std::string_view, std::string_view>> others) {
+  for (const auto& [given, flag] : others) {
+    if (!given.empty()) throw InputError(fmt::format("{}; expected no {} beside it", what, flag));
+  }
 }
 
 // What --light-map says; none where there is none.
 std::optional<LightMapOptions> light_map_of(const SceneOptions& o) {
   if (o.light_map.empty()) return std::nullopt;
   const auto n = parse_numbers(o.light_map, "--light-map", 4, "a light and its reach x,y,z,reach");
-  for (const auto& [other, flag] : {std::pair{&o.texture1, "--texture1"}, std::pair{&o.shadow, "--shadow"},
-                                    std::pair{&o.slide, "--slide"}, std::pair{&o.light, "--light"}}) {
-    if (!other->empty()) {
-      throw InputError(
-          fmt::format("--light-map: lights by the second texture unit; expected no {} beside it", flag));
-    }
-  }
+  refuse_beside(
+      "--light-map: lights by the second texture unit",
+      {{o.texture1, "--texture1"}, {o.shadow, "--shadow"}, {o.slide, "--slide"}, {o.light, "--light"}});
   const LightMapOptions out{.place = {n[0], n[1], n[2]}, .reach = n[3]};
   check_light_map(out, "--light-map");
   return out;
@@ -245,16 +251,13 @@ std::optional<std::string> relief_of(const SceneOptions& o) {
   if (!o.light_relief || !o.light_points) {
     throw InputError(
         "--relief: the configuration has no light that takes a map; expected light.at = \"pixel\", "
-        "light.source "
-        "= \"point\" and light.normal = \"map\"");
+        "light.source = \"point\" and light.normal = \"map\"");
   }
   if (o.light.empty()) throw InputError("--relief: there is no light; expected --light beside it");
-  for (const auto& [other, flag] : {std::pair{&o.texture1, "--texture1"}, std::pair{&o.shadow, "--shadow"},
-                                    std::pair{&o.slide, "--slide"}, std::pair{&o.light_map, "--light-map"}}) {
-    if (!other->empty()) {
-      throw InputError(fmt::format("--relief: has the second texture unit; expected no {} beside it", flag));
-    }
-  }
+  refuse_beside("--relief: has the second texture unit", {{o.texture1, "--texture1"},
+                                                          {o.shadow, "--shadow"},
+                                                          {o.slide, "--slide"},
+                                                          {o.light_map, "--light-map"}});
   return o.relief;
 }
 

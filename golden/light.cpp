@@ -82,6 +82,10 @@ class Lighting {
     }
     falls_ = light.reach > 0 && (is_point_ || to_viewer_);
     is_lunar_ = light.lunar > 0;
+    const auto constant = [&](FormatId id, double x) {
+      const Quantizer<Quad> q(config.format(id));
+      return Quantizer<Real>(config.format(id)).value(q.raw(q(Quad(x))));
+    };
     // 1 / x by a mantissa.
     const auto inverse = [&](double x) {
       const int e = octaves(x);
@@ -93,13 +97,9 @@ class Lighting {
     if (is_point_ || falls_) per_pixel_ = inverse(scene.focal);
     if (falls_) {
       per_reach_ = inverse(light.reach) * pow2<Real>(s_exponent);
-      const Quantizer<Quad> q(config.format(FormatId::light_distance));
-      offset_ = q_distance_.value(q.raw(q(Quad(light.offset))));
+      offset_ = constant(FormatId::light_distance, light.offset);
     }
-    if (is_lunar_) {
-      const Quantizer<Quad> q(config.format(FormatId::light_lunar));
-      lunar_ = q_lunar_.value(q.raw(q(Quad(light.lunar))));
-    }
+    if (is_lunar_) lunar_ = constant(FormatId::light_lunar, light.lunar);
     int down = s_exponent;
     if (!is_point_) {
       double largest = 0;

@@ -22,7 +22,7 @@ std::size_t face_of(std::size_t corner) { return corner / 3; }
 constexpr std::size_t fan_limit = 64;
 
 double brightness(const Light& light, const Vec3& normal, const Vec3& at) {
-  const Vec3 place{light.place[0], light.place[1], light.place[2]};
+  const Vec3 place = place_of(light);
   const Vec3 to = of_length_1(light.is_point ? place - at : place);
   const Vec3 n = of_length_1(normal);
   const double cosine = dot(n, to);
@@ -35,6 +35,8 @@ double brightness(const Light& light, const Vec3& normal, const Vec3& at) {
 
 }  // namespace
 
+Vec3 place_of(const Light& light) { return {light.place[0], light.place[1], light.place[2]}; }
+
 Vec3 area_vector(const Face& face) {
   const auto& c = face.corner;
   return cross(c[1].position - c[0].position, c[2].position - c[0].position);
@@ -42,15 +44,9 @@ Vec3 area_vector(const Face& face) {
 
 void check_light(const LightOptions& options, const std::string& name) {
   // A direction is one only beside what the viewer looks at.
-  const Light light{.is_point = true,
-                    .place = {options.place.x, options.place.y, options.place.z},
-                    .ambient = options.ambient,
-                    .specular = options.specular,
-                    .exponent = options.exponent,
-                    .lunar = options.lunar,
-                    .reach = options.reach,
-                    .offset = options.offset};
-  if (options.reach > 0 && !options.by_unit) {
+  Light light = options.light;
+  light.is_point = true;
+  if (light.reach > 0 && !options.by_unit) {
     throw InputError(name +
                      ".reach: no unit is there that knows the distance; expected light.at other than none");
   }
@@ -107,20 +103,15 @@ void turn_to_viewer(std::span<Face> faces, const Viewpoint& view, bool all) {
 }
 
 Light light_of(const LightOptions& options, const Viewpoint& view, const Vec3& target) {
-  const Vec3 place = in_view(options.place, view);
-  const Vec3 to = options.is_point ? place : place - in_view(target, view);
-  if (!options.is_point && to == Vec3{}) {
+  Light light = options.light;
+  const Vec3 place = in_view(place_of(light), view);
+  const Vec3 to = light.is_point ? place : place - in_view(target, view);
+  if (!light.is_point && to == Vec3{}) {
     throw InputError(
         "light: stands at what the viewer looks at, and so has no direction; expected another place");
   }
-  return {.is_point = options.is_point,
-          .place = {to.x, to.y, to.z},
-          .ambient = options.ambient,
-          .specular = options.specular,
-          .exponent = options.exponent,
-          .lunar = options.lunar,
-          .reach = options.reach,
-          .offset = options.offset};
+  light.place = {to.x, to.y, to.z};
+  return light;
 }
 
 Light shoulder_light() { return {.place = {-0.5, -0.7, -1}, .ambient = 0.25}; }

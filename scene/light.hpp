@@ -17,16 +17,15 @@ namespace bitspan {
 inline constexpr double crease_degrees = 45;
 
 struct LightOptions {
-  Vec3 place;             // where it stands
-  bool is_point = false;  // else it is far away in that direction, seen from what the viewer looks at
-  double ambient = 0.2, specular = 0;
-  int exponent = 32;
-  double lunar = 0, reach = 0, offset = 0;  // as in Light
+  // In the coordinates of the mesh; one that is no point is far away in the direction of its place, seen from
+  // what the viewer looks at.
+  Light light;
   bool by_unit = false;  // the view has the light, and the configuration forms brightness of it
 };
 // Throws InputError, whose text begins with `name`, where one is not legal.
 void check_light(const LightOptions& options, const std::string& name = "light");
 
+Vec3 place_of(const Light& light);
 // Normal to the face, outward, of a length that is twice its area.
 Vec3 area_vector(const Face& face);
 // Gives the corners without a normal one: the mean of the area vectors of the faces that meet there, of those

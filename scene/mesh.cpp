@@ -388,7 +388,7 @@ Scene mesh_scene(Mesh mesh, const MeshOptions& options, ProjectReport& report) {
   scene.light = light_mesh(mesh, options, view);
   StateChange second;
   if (options.relief) {
-    give_relief(mesh.faces, options.light.value().place);
+    give_relief(mesh.faces, place_of(options.light.value().light));
     second = relief_state();
   }
   if (options.light_map) {

@@ -18,9 +18,9 @@
 namespace bitspan {
 namespace {
 
-constexpr Vec3 eye{0.4, 2.1, 6.6}, target{0, 1.05, 0}, lamp{2.6, 3.9, 3.2};
-constexpr double ambient = 0.25, specular = 0.25;
-constexpr int exponent = 24;
+constexpr Vec3 eye{0.4, 2.1, 6.6}, target{0, 1.05, 0};
+constexpr Light lamp{
+    .is_point = true, .place = {2.6, 3.9, 3.2}, .ambient = 0.25, .specular = 0.25, .exponent = 24};
 
 enum RoomTexture { boards_texture, bricks_texture, normals_texture };
 
@@ -150,9 +150,7 @@ Scene room_scene(const RoomOptions& options, int width, int height) {
   Viewpoint view = viewer_of(scene);
   look_at(view, eye, target, {0, 1, 0});
   std::vector<Face> bodies = solids(), bricks = wall(), pane = glass();
-  const Light light = light_of(
-      {.place = lamp, .is_point = true, .ambient = ambient, .specular = specular, .exponent = exponent}, view,
-      target);
+  const Light light = light_of({.light = lamp}, view, target);
   if (options.lamp) {
     scene.light = light;
   } else {
@@ -163,7 +161,7 @@ Scene room_scene(const RoomOptions& options, int width, int height) {
       }
     }
   }
-  if (options.relief) give_relief(bricks, lamp);
+  if (options.relief) give_relief(bricks, place_of(lamp));
 
   ProjectReport report;
   const auto draw = [&](const std::vector<Face>& faces, bool cull) {
@@ -178,7 +176,7 @@ Scene room_scene(const RoomOptions& options, int width, int height) {
     casters.insert(casters.end(), bricks.begin(), bricks.end());
   }
   if (options.shadow) {
-    const ShadowOptions shadow{.light = lamp,
+    const ShadowOptions shadow{.light = place_of(lamp),
                                .at = Vec3{0, 0.3, 0},
                                .degrees = 60,
                                .depth_bits = options.depth_bits,

@@ -49,8 +49,9 @@ Apart apart(const std::string& plane, const Vec3& light, double reach, int side)
   options.width = 160;
   options.height = 120;
   options.camera.distance = 3;
-  options.light =
-      LightOptions{.place = light, .is_point = true, .ambient = 0, .reach = reach, .by_unit = true};
+  options.light = LightOptions{
+      .light = {.is_point = true, .place = {light.x, light.y, light.z}, .ambient = 0, .reach = reach},
+      .by_unit = true};
   const auto drawn = [&](bool by_unit) {
     const Scene scene = seen(plane, options);
     const auto engine = make_model(config_of(by_unit));

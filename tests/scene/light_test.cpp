@@ -174,12 +174,12 @@ TEST(MeshLight, TheUnitHasTheLightInTheViewersSpace) {
   const std::string path = folder.write("cube.obj", cube_obj);
   MeshOptions options;
   options.camera.position = Vec3{0, 0, 10};
-  options.light =
-      LightOptions{.place = {3, 5, 10}, .ambient = 0.125, .specular = 0.5, .exponent = 7, .by_unit = true};
+  options.light = LightOptions{
+      .light = {.place = {3, 5, 10}, .ambient = 0.125, .specular = 0.5, .exponent = 7}, .by_unit = true};
   const Scene far = seen(path, options);
   ASSERT_TRUE(far.light);
   EXPECT_EQ(*far.light, (Light{.place = {3, -5, -10}, .ambient = 0.125, .specular = 0.5, .exponent = 7}));
-  options.light->is_point = true;
+  options.light->light.is_point = true;
   const Scene near = seen(path, options);
   EXPECT_EQ(near.light->place, (std::array<double, 3>{3, -5, 0}));
   EXPECT_TRUE(near.light->is_point);
@@ -190,24 +190,24 @@ TEST(MeshLight, TheUnitHasTheLightInTheViewersSpace) {
     }
   }
   // By the front end the same light is in the colours: one side, straight from the viewer.
-  options.light = LightOptions{.place = {0, 0, 10}, .ambient = 0.125};
+  options.light = LightOptions{.light = {.place = {0, 0, 10}, .ambient = 0.125}};
   for (const Triangle& t : seen(path, options).triangles) {
     for (const Vertex& v : t.v) EXPECT_NEAR(v.c[1], 1, 1e-12);
   }
-  options.light->place = {10, 0, 10};
+  options.light->light.place = {10, 0, 10};
   for (const Triangle& t : seen(path, options).triangles) {
     for (const Vertex& v : t.v) EXPECT_NEAR(v.c[1], 0.125 + 0.875 * std::sqrt(0.5), 1e-12);
   }
-  options.light->lunar = 3;
+  options.light->light.lunar = 3;
   for (const Triangle& t : seen(path, options).triangles) {
     for (const Vertex& v : t.v) EXPECT_NEAR(v.c[1], 0.125 + 0.875 * std::sqrt(0.5) / 4, 1e-12);
   }
-  options.light->reach = 1;
+  options.light->light.reach = 1;
   EXPECT_TRUE(names(input_error([&] { seen(path, options); }), "light.reach: "));
-  options.light->reach = 0;
-  options.light->place = {0, 0, 0};
+  options.light->light.reach = 0;
+  options.light->light.place = {0, 0, 0};
   EXPECT_TRUE(names(input_error([&] { seen(path, options); }), "light: stands at what the viewer looks at"));
-  options.light->ambient = 2;
+  options.light->light.ambient = 2;
   EXPECT_TRUE(names(input_error([&] { seen(path, options); }), "light.ambient: is not legal"));
 }
 
