@@ -131,6 +131,7 @@ SceneOptions seen_with(const Config& config, SceneOptions options) {
   options.light_by_unit = has_light(config.light);
   options.light_points = has_light_points(config);
   options.light_relief = has_relief(config);
+  options.light_shadow = has_light_shadow(config);
   options.room = room_options(config);
   options.config = config;
   return options;
@@ -176,7 +177,8 @@ std::optional<ShadowOptions> shadow_of(const SceneOptions& o) {
   }
   out.depth_bits = o.depth_bits;
   out.depth_code = o.depth_code;
-  out.dark = o.shadow_dark.value_or(out.dark);
+  out.light_takes = o.light_shadow;
+  out.dark = o.shadow_dark;
   check_shadow(out, {.light = "--shadow",
                      .at = "--shadow",
                      .degrees = "--shadow",
@@ -404,7 +406,9 @@ void add_scene_options(CLI::App& command, SceneOptions& o) {
       .add_flag("--shadow-volumes", o.shadow_volumes,
                 "the shadow falls on everything, by bodies that the stencil counts; without a map")
       ->group(group);
-  command.add_option("--shadow-dark", o.shadow_dark, "what is left of a colour in the shadow (default 0.35)")
+  command
+      .add_option("--shadow-dark", o.shadow_dark,
+                  "what is left in the shadow of a colour (default 0.35), or of what light takes (0)")
       ->group(group);
   command.add_option("--slide", o.slide, "an image that is thrown on the scene, as by --slide-from")
       ->group(group);
@@ -582,6 +586,7 @@ SceneSource::SceneSource(const std::string& stream, const SceneOptions& options)
   ShadowOptions codes;
   codes.depth_bits = options.depth_bits;
   codes.depth_code = options.depth_code;
+  codes.light_takes = options.light_shadow;
   stream_ = std::make_unique<StreamPieces>(std::make_unique<TriReader>(stream, options.frame, &codes));
   Scene scene = stream_->scene();
   scene.name = stream;

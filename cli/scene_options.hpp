@@ -35,7 +35,7 @@ struct SceneOptions {
   std::string relief;     // an image of normals
   bool unlit = false;
   // By the configuration: whether brightness is formed by its unit, and whether lights stand at points.
-  bool light_by_unit = false, light_points = false, light_relief = false;
+  bool light_by_unit = false, light_points = false, light_relief = false, light_shadow = false;
   RoomOptions room;          // by the configuration, too
   std::string shadow;        // "x,y,z" or "x,y,z,X,Y,Z,degrees"
   std::string shadow_plane;  // "x,y,z,nx,ny,nz"

@@ -294,6 +294,10 @@ Result first_violation(const Config& c) {
     return Violation{"light.normal", "is map with light.at = " + std::string(to_string(c.light)) +
                                          ", which has no texels; legal: channel, or light.at = pixel"};
   }
+  if (has_light(c.light) && takes_shadow(c.light_shadow) && !lights_pixels(c.light)) {
+    return Violation{"light.shadow", "is map with light.at = " + std::string(to_string(c.light)) +
+                                         ", which has no texels; legal: none, or light.at = pixel"};
+  }
   if (has_light(c.light) && falls(c.light_fall) && !has_points(c.light_source)) {
     return Violation{"light.fall", "is " + std::string(to_string(c.light_fall)) +
                                        " with light.source = parallel, which forms no place; legal: none, or "

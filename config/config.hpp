@@ -62,6 +62,8 @@ BITSPAN_ENUM(LightAt, none, face, vertex, pixel);
 BITSPAN_ENUM(LightLaw, lambert, lunar);
 // Whose normals light takes: the channels nx, ny and nz; or those of a map, too [T15].
 BITSPAN_ENUM(LightNormal, channel, map);
+// What of its light a shadow map takes from a pixel: nothing; or all that is not ambient [SH2].
+BITSPAN_ENUM(LightShadow, none, map);
 // By which power of a distance brightness falls [B9], and what the distance is to.
 BITSPAN_ENUM(LightFall, none, first, second);
 BITSPAN_ENUM(LightFallTo, light, viewer);
@@ -243,6 +245,7 @@ struct Config {
   LightAt light = LightAt::none;
   LightSource light_source = LightSource::parallel;
   LightNormal light_normal = LightNormal::channel;
+  LightShadow light_shadow = LightShadow::none;
   LightLaw light_law = LightLaw::lambert;
   LightFall light_fall = LightFall::none;
   LightFallTo light_fall_to = LightFallTo::light;

@@ -754,10 +754,17 @@ void light(const Config& c, List& list, Grid coordinate) {
                F::light_distance);
     divided("Inv", {F::light_distance, F::light_inverse, F::light_fall}, list.of(F::light_inverse), distance,
             F::light_fall);
-    list.value("light", "kd c + ks spec", {F::light_cosine, F::light_specular, F::light_value},
-               value * cosine + value * specular, F::light_value);
     list.value("light", "V = f U + ka", {F::light_fall, F::light_value},
                value * list.of(F::light_fall) + value, F::light_value);
+  }
+  if (has_light_fall(c) || has_light_shadow(c)) {
+    list.value("light", "U = kd c + ks spec", {F::light_cosine, F::light_specular, F::light_value},
+               value * cosine + value * specular, F::light_value);
+  }
+  if (has_light_shadow(c)) {
+    list.value("light", "U share", {F::texture_alpha, F::light_value}, value * list.of(F::texture_alpha),
+               F::light_value);
+    list.value("light", "V = U + ka", {F::light_value}, value + value, F::light_value);
   }
   const Grid place_in_table{1, std::max(cosine.fraction - c.light_index_bits, 0), true};
   list.value("light", "t_j + (t_j+1 - t_j) x", {F::light_cosine, F::light_specular},

@@ -409,6 +409,15 @@ constexpr KeyRow rows[] = {
      ideal | values | rtl,
      "L6: the channels nx, ny and nz; T15: or the texel of the second unit, while texture1.op = relief",
      {.presence = Presence::later, .used = reads_light, .unused = Unused::initial}},
+    {"light.shadow",
+     MEMBER(light_shadow),
+     {},
+     ", map with light.at = pixel",
+     ideal | values,
+     "no shadow; SH2: all but the ambient light is multiplied by the red share of the second unit's texel, "
+     "while "
+     "texture1.op = shadow",
+     {.presence = Presence::later, .used = reads_light, .unused = Unused::initial}},
     {"light.law",
      MEMBER(light_law),
      {},

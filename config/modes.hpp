@@ -463,6 +463,19 @@ constexpr bool takes_map(LightNormal normal) {
 constexpr bool has_relief(const Config& config) {
   return lights_pixels(config.light) && takes_map(config.light_normal);
 }
+// A shadow map may take light away.
+constexpr bool takes_shadow(LightShadow shadow) {
+  switch (shadow) {
+    case LightShadow::none:
+      return false;
+    case LightShadow::map:
+      return true;
+  }
+  unreachable();
+}
+constexpr bool has_light_shadow(const Config& config) {
+  return lights_pixels(config.light) && takes_shadow(config.light_shadow);
+}
 // What scatters falls with the viewer's cosine.
 constexpr bool is_lunar(LightLaw law) {
   switch (law) {

@@ -17,10 +17,11 @@ std::string emit_light_sv(const Config& config) {
     throw InputError(config.name + ": light.at is " + std::string(to_string(config.light)) +
                      "; the RTL of light needs pixel");
   }
-  if (has_lunar(config) || has_light_fall(config) || has_relief(config)) {
+  if (has_lunar(config) || has_light_fall(config) || has_relief(config) || has_light_shadow(config)) {
     throw InputError(
         config.name +
-        ": light.law, light.fall or light.normal: the RTL of light has lambert, none and channel");
+        ": light.law, light.fall, light.normal or light.shadow: the RTL of light has lambert, none, "
+        "channel and none");
   }
   for (const F id : {F::light_normal, F::light_direction, F::light_cosine}) {
     const Format& f = config.format(id);

@@ -558,7 +558,7 @@ class GoldenEngine final : public Engine, public RowEngine {
   // Leaves in textures_ what fog reads.
   void run_light(Trace& out) {
     const std::size_t first = out.light.size();
-    light_(alive_, textures_, distances_, alive_channels_, has_relief(state_), out.light);
+    light_(alive_, textures_, distances_, alive_channels_, state_, out.light);
     lit_.clear();
     for (std::size_t i = 0; i < textures_.size(); ++i) {
       const LightRecord& light = out.light[first + i];

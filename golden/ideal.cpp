@@ -61,7 +61,7 @@ struct Faced {
   std::optional<std::array<double, 3>> to_light;  // in the field of a map of normals [T15], with the normal
 };
 IdealLight light_on(const Config& config, const Scene& scene, const Faced& faced, double x, double y,
-                    double s) {
+                    double s, double share = 1) {
   const Light& light = *scene.light;
   std::array<double, 3> to = light.place;
   const std::array here{(x - scene.width / 2.0) * s / scene.focal, (y - scene.height / 2.0) * s / scene.focal,
@@ -79,7 +79,7 @@ IdealLight light_on(const Config& config, const Scene& scene, const Faced& faced
   if (out.mirrored > 0) out.specular = std::pow(std::min(out.mirrored, 1.0), light.exponent);
   const double k = faced.to_light ? 0 : light.lunar;
   const double scattered = out.cosine / (1 + k * std::max(-out.normal[2], 0.0));
-  out.value += ((1 - light.ambient - light.specular) * scattered + light.specular * out.specular) *
+  out.value += ((1 - light.ambient - light.specular) * scattered + light.specular * out.specular) * share *
                fall_of(config, light, std::hypot(to[0], to[1], to[2]), std::hypot(here[0], here[1], s));
   return out;
 }
@@ -556,7 +556,9 @@ IdealFragment shade(const Config& config, const DrawState& state, const Scene& s
       faced.to_light = {given.lx - (own ? point.u2 : point.u), given.ly - (own ? point.v2 : point.v),
                         given.lz};
     }
-    out.light = light_on(config, scene, faced, point.x, point.y, point.s);
+    const bool in_shadow = has_light_shadow(config) && shades_light(state);
+    out.light =
+        light_on(config, scene, faced, point.x, point.y, point.s, in_shadow ? out.second_texel[0] / 255 : 1);
   } else {
     out.light.value = point.brightness;
   }

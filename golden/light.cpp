@@ -132,9 +132,9 @@ class Lighting {
   }
 
   // n: the normal, of any length; field: toward the light, where both are those of a map; x, y: pixels from
-  // the left and from the top.
+  // the left and from the top; share: what a shadow leaves, where there may be one.
   Shine<Real> operator()(const Vector<Real>& n, const std::optional<Vector<Real>>& field, Real x, Real y,
-                         Real s) const {
+                         Real s, const std::optional<Real>& share = std::nullopt) const {
     Shine<Real> out;
     out.normal = unit(root_, q_normal_, n);
     Real fall = 1;
@@ -149,6 +149,7 @@ class Lighting {
       sum = diffuse_ * (is_lunar_ && !field ? lunar(out.cosine, out.normal[2]) : out.cosine) +
             highlight_ * out.specular;
     }
+    if (share) sum = q_value_(q_value_(sum) * *share);
     out.value = falls_ ? q_value_(fall * q_value_(sum) + ambient_) : q_value_(sum + ambient_);
     return out;
   }
@@ -229,11 +230,13 @@ class FragmentLight {
       : at_pixels_(lights_pixels(config.light)),
         light_(config, constants.s_exponent, scene),
         takes_map_(has_relief(config)),
+        takes_shadow_(has_light_shadow(config)),
         has_second_(has_second_coordinates(config.second_coordinates)),
         q_given_(config.format(FormatId::normal_value)),
         q_s_(config.format(FormatId::distance_s)),
         q_color_(config.format(FormatId::texture_color)),
         q_mix_(config.format(FormatId::texture_mix)),
+        q_share_(config.format(FormatId::texture_alpha)),
         q_uv_(config.format(FormatId::span_uv)),
         q_relief_(config.format(FormatId::relief_value)),
         normal_(place_of(constants, LineId::nx)),
@@ -244,8 +247,10 @@ class FragmentLight {
   void operator()(std::span<const FragmentRecord* const> fragments,
                   std::span<const TextureRecord* const> textures,
                   std::span<const DistanceRecord* const> distances,
-                  std::span<const FragmentChannelRecord* const> channels, bool by_map,
+                  std::span<const FragmentChannelRecord* const> channels, const DrawState& state,
                   std::vector<LightRecord>& out) const {
+    const bool by_map = takes_map_ && has_relief(state);
+    const bool in_shadow = takes_shadow_ && shades_light(state);
     for (std::size_t i = 0; i < fragments.size(); ++i) {
       LightRecord& record = out.emplace_back();
       record.triangle = fragments[i]->triangle;
@@ -253,9 +258,10 @@ class FragmentLight {
       record.y = fragments[i]->y;
       if (at_pixels_) {
         const Real s = distances.empty() ? Real(0) : q_s_.value(distances[i]->s);
-        set_brightness(by_map && takes_map_ ? of_map(*fragments[i], *textures[i], channels[i])
-                                            : of_channels(channels[i]),
-                       s, record);
+        std::optional<Real> share;
+        if (in_shadow) share = q_share_.quotient(q_mix_.value(textures[i]->texel_r), Real(255));
+        set_brightness(by_map ? of_map(*fragments[i], *textures[i], channels[i]) : of_channels(channels[i]),
+                       s, share, record);
       } else {
         record.value = channels[i][value_].w;
       }
@@ -289,9 +295,10 @@ class FragmentLight {
             Vector<Real>{q_relief_.value(l[0].w) - u, q_relief_.value(l[1].w) - v, q_relief_.value(l[2].w)}};
   }
 
-  void set_brightness(const Faced& faced, Real s, LightRecord& out) const {
+  void set_brightness(const Faced& faced, Real s, const std::optional<Real>& share, LightRecord& out) const {
     const Real half(0.5);
-    const Shine<Real> shine = light_(faced.normal, faced.to_light, Real(out.x) + half, Real(out.y) + half, s);
+    const Shine<Real> shine =
+        light_(faced.normal, faced.to_light, Real(out.x) + half, Real(out.y) + half, s, share);
     out.nx = light_.normal().raw(shine.normal[0]);
     out.ny = light_.normal().raw(shine.normal[1]);
     out.nz = light_.normal().raw(shine.normal[2]);
@@ -306,8 +313,8 @@ class FragmentLight {
 
   bool at_pixels_;
   Lighting<Real> light_;
-  bool takes_map_, has_second_;
-  Quantizer<Real> q_given_, q_s_, q_color_, q_mix_, q_uv_, q_relief_;
+  bool takes_map_, takes_shadow_, has_second_;
+  Quantizer<Real> q_given_, q_s_, q_color_, q_mix_, q_share_, q_uv_, q_relief_;
   // In front of which channels those of light stand.
   std::ptrdiff_t normal_, value_, relief_, second_;
 };

@@ -20,7 +20,7 @@ namespace bitspan::golden {
 using LightStage =
     std::function<void(std::span<const FragmentRecord* const>, std::span<const TextureRecord* const>,
                        std::span<const DistanceRecord* const>, std::span<const FragmentChannelRecord* const>,
-                       bool by_map, std::vector<LightRecord>& out)>;
+                       const DrawState& state, std::vector<LightRecord>& out)>;
 // The scene has a light, and the configuration takes it.
 LightStage make_light(Arithmetic arithmetic, const Config& config, const Constants& constants,
                       const Scene& scene);

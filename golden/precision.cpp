@@ -901,8 +901,12 @@ class Chooser {
                                             {-reach_octaves - 1, reach_octaves + 1})));
       s.exact("d d + K", sum(product(distance, distance), distance));
       divided("Inv", {0, 0}, FormatId::light_distance);
-      s.exact("kd c + ks spec", sum(product(value, cosine), product(value, specular)));
       s.exact("f U + ka", sum(product(fall, value), value));
+    }
+    if (has_light_shadow(c_)) {
+      s.q_quotient("V / 255", range_of(f(FormatId::texture_mix)), {0, 8},
+                   f(FormatId::texture_alpha).fraction());
+      s.q_product("U share", term(value, reg(s, FormatId::texture_alpha)), f(FormatId::light_value));
     }
     const Range share{std::min(cosine.lo + c_.light_index_bits, 0), c_.light_index_bits + 1};
     s.exact("g 2^n", share);

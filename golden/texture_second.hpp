@@ -37,6 +37,7 @@ CombinedColor<Real> combined_color(TextureOp op, Real first, Real texel, Real sh
     case TextureOp::modulate:
       return {first, share, 0, 0};
     case TextureOp::relief:
+    case TextureOp::shadow:
       return {first, 1, 0, 0};
     case TextureOp::decal:
       return {first, 1 - alpha, texel, alpha};
@@ -50,7 +51,9 @@ CombinedColor<Real> combined_color(TextureOp op, Real first, Real texel, Real sh
   unreachable();
 }
 // The same of the alphas: one of them, or their product.
-constexpr bool keeps_first_alpha(TextureOp op) { return op == TextureOp::decal || op == TextureOp::relief; }
+constexpr bool keeps_first_alpha(TextureOp op) {
+  return op == TextureOp::decal || op == TextureOp::relief || op == TextureOp::shadow;
+}
 constexpr bool takes_texel_alpha(TextureOp op) { return op == TextureOp::replace; }
 
 }  // namespace bitspan::golden

@@ -921,6 +921,7 @@ void add_light(std::vector<SuiteFeature>& out) {
     int index_bits = 9, steps = 2;
     LightLaw law = LightLaw::lambert;
     LightNormal normal = LightNormal::channel;
+    LightShadow shadow = LightShadow::none;
     LightFall fall = LightFall::none;
     LightFallTo fall_to = LightFallTo::light;
     double reach = 1.25, offset = 0.375;  // the former of the middle of the distances
@@ -934,6 +935,7 @@ void add_light(std::vector<SuiteFeature>& out) {
       c.light_root.steps = unit.steps;
       c.light_law = unit.law;
       c.light_normal = unit.normal;
+      c.light_shadow = unit.shadow;
       c.light_fall = unit.fall;
       c.light_fall_to = unit.fall_to;
       if (s.light && is_lunar(unit.law)) s.light->lunar = 2.5;
@@ -992,6 +994,18 @@ void add_light(std::vector<SuiteFeature>& out) {
       {.normal = LightNormal::map, .state = by_map}, over_relief);
   add("light_relief.off", fog, {.normal = LightNormal::map, .state = {{"texture1", 1}}},
       {.normal = LightNormal::map, .state = by_map}, over_relief);
+  const std::vector<Register> by_shadow{{"texture1", 1}, {"texture1.op", number(TextureOp::shadow)}};
+  add("light_shadow.map", fog, {.shadow = LightShadow::map, .state = by_shadow}, {.state = by_shadow},
+      under_light);
+  std::vector<Register> soft = by_shadow;
+  soft.push_back({"texture1.filter", number(TextureFilter::bilinear)});
+  add("light_shadow.soft", fog, {.shadow = LightShadow::map, .state = soft},
+      {.shadow = LightShadow::map, .state = by_shadow}, under_light);
+  add("light_shadow.of_a_light_that_falls", fog,
+      {.source = point, .shadow = LightShadow::map, .fall = LightFall::second, .state = by_shadow},
+      {.source = point, .fall = LightFall::second, .state = by_shadow}, under_lamp);
+  add("light_shadow.off", fog, {.shadow = LightShadow::map, .state = {{"texture1", 1}}},
+      {.shadow = LightShadow::map, .state = by_shadow}, under_light);
   add("light_late.pixel", fog, {.state = {{"depth.when", number(DepthWhen::late)}}},
       {.at = LightAt::none, .state = {{"depth.when", number(DepthWhen::late)}}}, under_light);
   add("light_second.pixel", fog, {.state = {{"texture1", 1}}},

@@ -77,7 +77,7 @@ BITSPAN_ENUM(ProjectOutside, lit, dark);
 // What weighs texels where a level of detail is at most 0: what else does, or a filter of its own.
 BITSPAN_ENUM(MagnifyFilter, same, nearest, bilinear);
 // How the second texture unit combines its texel with the colour and alpha of the first one.
-BITSPAN_ENUM(TextureOp, replace, modulate, decal, blend, add, modulate_scaled, relief);
+BITSPAN_ENUM(TextureOp, replace, modulate, decal, blend, add, modulate_scaled, relief, shadow);
 
 // Bits of red, green, blue and alpha; a format without alpha has 0 of them.
 constexpr std::array<int, 4> target_bits(TargetFormat format) {
@@ -210,6 +210,10 @@ constexpr bool has_relief(const DrawState& state) {
 
 // Whether that unit takes the projector's coordinates.
 constexpr bool takes_projection(TextureCoordinates by) { return by == TextureCoordinates::project; }
+// The second unit's texel is what a shadow leaves of the light.
+constexpr bool shades_light(const DrawState& state) {
+  return has_second_texture(state) && state.texture1_op == TextureOp::shadow;
+}
 constexpr bool is_projected(const DrawState& state) {
   return has_second_texture(state) && takes_projection(state.texture1_coordinates);
 }

@@ -446,7 +446,8 @@ LightTaken light_taken(const Config& config) {
   return {.point = has_light_points(config),
           .lunar = has_lunar(config),
           .fall = has_light_fall(config),
-          .map = has_relief(config)};
+          .map = has_relief(config),
+          .shadow = has_light_shadow(config)};
 }
 
 void draw_light(Random& random, Scene& scene, const LightTaken& takes) {
@@ -481,7 +482,7 @@ void draw_light(Random& random, Scene& scene, const LightTaken& takes) {
       set_normal(triangle.v[i], normal);
     }
   }
-  if (!takes.map || scene.textures.empty()) return;
+  if (!(takes.map || takes.shadow) || scene.textures.empty()) return;
   for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
     const bool is_flat = random.chance(0.5);
     Vec3 field{};
@@ -494,7 +495,10 @@ void draw_light(Random& random, Scene& scene, const LightTaken& takes) {
     }
     if (!random.chance(0.25)) continue;
     const auto texture = random.integer(0, static_cast<std::int64_t>(scene.textures.size()) - 1);
-    const auto op = random.chance(0.75) ? TextureOp::relief : TextureOp::modulate;
+    const bool is_shadow = takes.shadow && (!takes.map || random.chance(0.5));
+    const auto op = !random.chance(0.75) ? TextureOp::modulate
+                    : is_shadow          ? TextureOp::shadow
+                                         : TextureOp::relief;
     put_before(
         scene, i,
         StateChange{.settings = {state_setting("texture1", texture), state_setting("texture1.op", op)}});

@@ -79,7 +79,7 @@ void draw_translucency(Random& random, Scene& scene);
 
 // Which lights a configuration takes besides those that are far away, do not fall and scatter by Lambert.
 struct LightTaken {
-  bool point = false, lunar = false, fall = false, map = false;
+  bool point = false, lunar = false, fall = false, map = false, shadow = false;
 };
 LightTaken light_taken(const Config& config);
 // Gives a scene such a light, and most of its triangles normals.

@@ -134,6 +134,7 @@ std::vector<Face> glass() {
 RoomOptions room_options(const Config& config) {
   return {.lamp = has_light_points(config),
           .shadow = has_project(config.project),
+          .lamp_takes_shadow = has_light_shadow(config),
           .relief = has_light_points(config) && has_relief(config),
           .depth_bits = config.depth_bits,
           .depth_code = config.depth_code};
@@ -179,9 +180,10 @@ Scene room_scene(const RoomOptions& options, int width, int height) {
     const ShadowOptions shadow{.light = place_of(lamp),
                                .at = Vec3{0, 0.3, 0},
                                .degrees = 60,
+                               .size = width > 400 ? 1024 : 512,
                                .depth_bits = options.depth_bits,
                                .depth_code = options.depth_code,
-                               .dark = 0.5};
+                               .light_takes = options.lamp_takes_shadow};
     scene = shadowed(std::move(scene), casters, shadow, view);
   }
   const auto from_here = [&](const std::vector<StateSetting>& settings) {

@@ -11,9 +11,10 @@ namespace bitspan {
 struct RoomOptions {
   bool lamp =
       false;  // by the unit light, per pixel or at vertices; else the corners are lit in double precision
-  bool shadow = false;  // of the lamp, by a map of depth codes
-  bool relief = false;  // the wall's normals are those of a map
-  int depth_bits = 16;  // of the map of depth codes
+  bool shadow = false;             // of the lamp, by a map of depth codes
+  bool lamp_takes_shadow = false;  // all but its ambient share
+  bool relief = false;             // the wall's normals are those of a map
+  int depth_bits = 16;             // of the map of depth codes
   DepthCode depth_code = DepthCode::inverse;
 };
 RoomOptions room_options(const Config& config);

@@ -51,6 +51,10 @@ StateChange projected_texture(int texture) {
                        state_setting("texture1.op", TextureOp::modulate)}};
 }
 
+// Whether the shadow of a map is the light's.
+bool is_of_light(const Scene& scene, const ShadowOptions& o) { return o.light_takes && scene.light; }
+double dark_of(const ShadowOptions& o, bool of_light = false) { return o.dark.value_or(of_light ? 0 : 0.35); }
+
 }  // namespace
 
 void check_shadow(const ShadowOptions& o, const ShadowNames& names) {
@@ -78,7 +82,7 @@ void check_shadow(const ShadowOptions& o, const ShadowNames& names) {
     refuse(names.size, o.size, fmt::format("1..{} texels", shadow_map_limit));
   }
   if (o.bias && !(*o.bias >= 0 && *o.bias <= 64)) refuse(names.bias, *o.bias, "0..64 texels");
-  if (!(o.dark >= 0 && o.dark <= 1)) refuse(names.dark, o.dark, "0..1");
+  if (o.dark && !(*o.dark >= 0 && *o.dark <= 1)) refuse(names.dark, *o.dark, "0..1");
 }
 
 Viewpoint view_of(std::span<const Face> casters, const ShadowOptions& options) {
@@ -201,9 +205,10 @@ Scene shadowed(Scene scene, std::span<const Face> casters, const ShadowOptions& 
     constexpr double thickness = 1e-6;
     const double close = thickness * scene.s_max * length(options.plane->normal);
     const PlanarLight light{options.light};
-    return with_planar_shadows(std::move(scene), casters, {&light, 1}, *options.plane, options.dark, close);
+    return with_planar_shadows(std::move(scene), casters, {&light, 1}, *options.plane, dark_of(options),
+                               close);
   }
-  if (options.volumes) return with_shadow_volumes(std::move(scene), casters, options.light, options.dark);
+  if (options.volumes) return with_shadow_volumes(std::move(scene), casters, options.light, dark_of(options));
   const Viewpoint light = view_of(casters, options);
   Pass map{.name = "shadow map",
            .target = light_target,
@@ -229,7 +234,9 @@ Scene shadowed(Scene scene, std::span<const Face> casters, const ShadowOptions& 
                .copies = {{.target = light_target, .plane = CopyPlane::depth, .texture = texture}},
                .states = {projected_texture(texture)},
                .triangles = std::move(scene.triangles)};
-  const auto dark = std::lround(255 * options.dark);
+  const bool of_light = is_of_light(scene, options);
+  if (of_light) picture.states.front().settings.push_back(state_setting("texture1.op", TextureOp::shadow));
+  const auto dark = std::lround(255 * dark_of(options, of_light));
   for (const StateSetting& more : {state_setting("texture1.compare", 1), state_setting("texture1.red", dark),
                                    state_setting("texture1.green", dark),
                                    state_setting("texture1.blue", dark), state_setting("color.write", 1)}) {

@@ -32,7 +32,10 @@ struct ShadowOptions {
   // What the shadow falls on alone; then there is no map, and `at` to `bias` are not read. [SH3]
   std::optional<Plane> plane{};
   bool volumes = false;  // by shadow volumes; then there is no map, and `at` to `bias` are not read
-  double dark = 0.35;    // what is left of a colour in the shadow, 0 to 1
+  // By the configuration: a view's light takes the shadow of a map, all but its ambient share.
+  bool light_takes = false;
+  // What is left in the shadow, 0 to 1, of the colour, or of what light takes. None: 0.35, and 0 of a light.
+  std::optional<double> dark{};
 };
 // What a message calls the options.
 struct ShadowNames {

@@ -84,6 +84,7 @@ bool lights(const Config& c) { return has_light(c.light); }
 bool lights_points(const Config& c) { return has_light_points(c); }
 bool lights_lunar(const Config& c) { return has_lunar(c); }
 bool lights_fall(const Config& c) { return has_light_fall(c); }
+bool lights_shadow(const Config& c) { return has_light_shadow(c); }
 // L differs from pixel to pixel.
 bool lights_turn(const Config& c) { return has_light_points(c) || has_relief(c); }
 bool lights_divide(const Config& c) { return has_lunar(c) || has_light_fall(c); }
@@ -120,6 +121,7 @@ constexpr std::string_view kLightTurns =
     "light.at = face, vertex, pixel with light.source = point, or light.normal = map";
 constexpr std::string_view kLightLunar = "light.at = face, vertex, pixel with light.law = lunar";
 constexpr std::string_view kLightFall = "light.at = face, vertex, pixel with light.fall = first, second";
+constexpr std::string_view kLightShadow = "light.at = pixel with light.shadow = map";
 constexpr std::string_view kLightDivides =
     "light.at = face, vertex, pixel with light.law = lunar or light.fall = first, second";
 constexpr std::string_view kEnds = "delta_f, hyperbolic";
@@ -312,6 +314,7 @@ std::vector<RegisterRule> make_rules() {
       rule<F::light_distance>("light", 2, kLightFall, lights_fall),
       rule<F::light_fall>("light", 1, kLightFall, lights_fall),
       rule<F::light_value>("light", 1, kLightFall, lights_fall),
+      rule<F::light_value>("light", 1, kLightShadow, lights_shadow),
       rule<F::light_specular>("light", 1, kLight, lights),
       rule<F::light_value>("light", 1, kLight, lights),
       rule<F::texture_color>("light", 3, kLight, lights),
@@ -653,6 +656,7 @@ class Products {
       divided("d + K");
       add("light", "f U", at(F::light_fall), at(F::light_value), 1);
     }
+    if (lights_shadow(c_)) add("light", "U share", at(F::light_value), at(F::texture_alpha), 1);
     const int places = std::max(c_.format(F::light_cosine).fraction() - c_.light_index_bits, 1);
     add("light", "(t_j+1 - t_j) x", at(F::light_specular) - at(F::light_specular), Grid{0, places, false}, 1);
     add("light", "kd c", at(F::light_value), at(F::light_cosine), 1);

@@ -45,7 +45,7 @@ def main() -> int:
         draw("light-lunar", moon, "--light=4.7,3.4,-8.1,0.05,0,1,3")
         draw("light-falls", with_keys("falls", '[light]\nat = "pixel"\nsource = "point"\nfall = "second"'),
              "--light=0.9,1.1,-1.2,0,0,1,0,0.9,0")
-        room = with_keys("room", '[project]\nunit = "reciprocal"\n\n[light]\nat = "pixel"\nsource = "point"\nnormal = "map"')
+        room = with_keys("room", '[project]\nunit = "reciprocal"\n\n[light]\nat = "pixel"\nsource = "point"\nnormal = "map"\nshadow = "map"')
         render("room-plain", "room", base)
         render("room", "room", room)
         mapped = pathlib.Path(scratch) / "mapped.toml"

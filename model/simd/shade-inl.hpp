@@ -531,6 +531,21 @@ HWY_INLINE Textured<ValueOf<Int>> found_projected(const TextureSecondStage& unit
   return out;
 }
 
+// What the second unit finds, wherever its coordinates come from.
+template <class Int, class Image, class Watch>
+HWY_INLINE Textured<ValueOf<Int>> found_second(const TextureSecondStage& unit,
+                                               const BlockUnits<ElementOf<Int>>& units,
+                                               const FragmentBlock<ElementOf<Int>>& block,
+                                               const ChannelStage& channels, Image& image,
+                                               const Image& coarser, std::size_t k, Watch watch) {
+  using V = ValueOf<Int>;
+  if (units.projected != nullptr) return found_projected<Int>(unit, image, *units.projected, k, watch);
+  const bool own = channels.second_at >= 0;
+  return found<Int>(unit.fetch, units.images[1], image, coarser, units.shares[1] + k,
+                    load_as<V>((own ? block.u2 : block.u) + k), load_as<V>((own ? block.v2 : block.v) + k),
+                    watch);
+}
+
 // Q[texture.alpha](v / 255) of a colour on texture.mix.
 template <class Int>
 struct ShareOfColor {
@@ -567,9 +582,6 @@ HWY_NOINLINE void shade_block(const Pipeline& pipeline, const ShadePlan& plan, c
   auto second = image_of_unit(units.images[1].image);
   const auto second_coarser = image_of_unit(units.images[1].coarser);
   const std::array<std::uint8_t, 3> fog_color = pipeline.fog.fog_color;
-  const bool has_second_at = pipeline.channels.second_at >= 0;
-  const auto* const second_u = has_second_at ? block.u2 : block.u;
-  const auto* const second_v = has_second_at ? block.v2 : block.v;
   const V opaque = V(static_cast<ElementOf<Int>>(opaque_alpha(formats.merge)));
   if (units.projected != nullptr) compare(pipeline.texture_second, second);
   std::size_t killed = 0;
@@ -595,13 +607,13 @@ HWY_NOINLINE void shade_block(const Pipeline& pipeline, const ShadePlan& plan, c
       colour<Int>(stage, shade, texel, watch);
       if (!stage.is_last) {
         const TextureSecondStage& unit = pipeline.texture_second;
-        const Textured<V> other =
-            units.projected != nullptr
-                ? found_projected<Int>(unit, second, *units.projected, at, watch)
-                : found<Int>(unit.fetch, units.images[1], second, second_coarser, units.shares[1] + at,
-                             load_as<V>(second_u + at), load_as<V>(second_v + at), watch);
-        combine<Int>(unit, other.texel, second.is_grey(), ShareOfColor<Int>{plan, unit.fetch}, texel.color,
-                     watch);
+        // The colour passes texels that brightness has taken.
+        if (!takes_texel(pipeline.light)) {
+          const Textured<V> other =
+              found_second<Int>(unit, units, block, pipeline.channels, second, second_coarser, at, watch);
+          combine<Int>(unit, other.texel, second.is_grey(), ShareOfColor<Int>{plan, unit.fetch}, texel.color,
+                       watch);
+        }
         texel.killed = killed_first;
         if (unit.fetch.kills_zero) texel.killed = texel.killed | (texel.color[3] == V(0));
       }
@@ -903,39 +915,84 @@ void project_block(const Pipeline& pipeline, const FragmentBlock<T>& block, Proj
   }
 }
 
-// The brightness per pixel in lanes. Wide: what the square of a normal's length fits.
+// What light takes of the second unit: texels, and the red one's share.
+struct SecondColumns {
+  HWY_ALIGN std::int64_t texel[3][FragmentBlock<std::int64_t>::padded];
+  HWY_ALIGN std::int64_t share[FragmentBlock<std::int64_t>::padded];
+};
+template <class Int, class Watch>
+void find_texels(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFormats& formats,
+                 const BlockUnits<ElementOf<Int>>& units, const FragmentBlock<ElementOf<Int>>& block,
+                 SecondColumns& out, Watch watch) {
+  const auto image_of_unit = [&](const ShadeTexture* image)
+                                 HWY_ATTR { return image_for<Int, ImageKind::any>(plan, formats, image); };
+  const TextureSecondStage& unit = pipeline.texture_second;
+  auto image = image_of_unit(units.images[1].image);
+  const auto coarser = image_of_unit(units.images[1].coarser);
+  if (units.projected != nullptr) compare(unit, image);
+  for (std::size_t k = 0; k < block.size; k += lanes_in<ValueOf<Int>>) {
+    const auto texel =
+        found_second<Int>(unit, units, block, pipeline.channels, image, coarser, k, watch).texel;
+    for (std::size_t c = 0; c < 3; ++c) store_to(texel[c], out.texel[c] + k);
+    if (pipeline.light.has_shadow) store_to(ShareOfColor<Int>{plan, unit.fetch}(texel[0]), out.share + k);
+  }
+}
+
+// The brightness per pixel in lanes; second: where light takes texels. Wide: what the square of a channel's
+// normal fits.
 template <class Wide, class T>
-void brighten_block(const Pipeline& pipeline, const FragmentBlock<T>& block, int width, T* out) {
+void brighten_block(const Pipeline& pipeline, const FragmentBlock<T>& block, int width,
+                    const SecondColumns* second, T* out) {
   const LightStage& light = pipeline.light;
-  const auto normals = static_cast<std::size_t>(pipeline.channels.normal_at);
+  const ChannelStage& channels = pipeline.channels;
+  const bool own = channels.second_at >= 0;
   const auto wide = hn::Set(hn::ScalableTag<double>(), static_cast<double>(width));
   constexpr NoObserve watch;
   for (std::size_t k = 0; k < block.size; k += Lanes::count) {
     const auto active = first<Lanes>(block.size - k);
-    const auto at = [&](const auto* column) HWY_ATTR { return select(active, load_wide(column), Lanes(0)); };
-    const VectorOf<Lanes> n{at(block.channel[normals] + k), at(block.channel[normals + 1] + k),
-                            at(block.channel[normals + 2] + k)};
+    const auto at = [&](const auto* column)
+                        HWY_ATTR { return select(active, load_wide(column + k), Lanes(0)); };
+    const auto channel = [&](int first) HWY_ATTR {
+      const auto* const of = block.channel + first;
+      return VectorOf<Lanes>{at(of[0]), at(of[1]), at(of[2])};
+    };
     Lanes x(0), y(0), s(0);
-    if (light.takes_place) {
-      const Lanes pixel = at(block.pixel + k);
+    TowardOf<Lanes> toward{{Lanes(0), Lanes(0), Lanes(0)}, Lanes(0), Lanes(0)};
+    if (light.takes_place && (!light.has_map || light.falls)) {
+      const Lanes pixel = at(block.pixel);
       y = to_int(hn::Div(to_double(pixel), wide));  // exact: both have 31 bits at most
       x = pixel - y * Lanes(width);
-      s = distance_point<Lanes>(pipeline.distance, at(block.h + k), watch).s;
+      s = distance_point<Lanes>(pipeline.distance, at(block.h), watch).s;
     }
     const auto from_here = [&]<class Product>() HWY_ATTR {
       return toward_light<Lanes, WideLanes, Product>(light, (x << 1) + Lanes(1), (y << 1) + Lanes(1), 1, s,
                                                      light.pixel_s.fraction, watch);
     };
-    const TowardOf<Lanes> toward = light.places_fit_int64 ? from_here.template operator()<Lanes>()
-                                                          : from_here.template operator()<WideLanes>();
-    store_as(out + k, shine<Lanes, Wide>(light, n, light.given_normal.fraction, toward, watch).value);
+    if (!light.has_map || light.falls) {
+      toward = light.places_fit_int64 ? from_here.template operator()<Lanes>()
+                                      : from_here.template operator()<WideLanes>();
+    }
+    if (light.has_shadow) toward.share = at(second->share);
+    if (!light.has_map) {
+      store_as(out + k, shine<Lanes, Wide>(light, channel(channels.normal_at), light.given_normal.fraction,
+                                           toward, watch)
+                            .value);
+      continue;
+    }
+    toward.direction =
+        direction_in_field<Lanes, WideLanes>(light, channel(channels.relief_at), at(own ? block.u2 : block.u),
+                                             at(own ? block.v2 : block.v), watch);
+    const VectorOf<Lanes> texel{at(second->texel[0]), at(second->texel[1]), at(second->texel[2])};
+    store_as(
+        out + k,
+        shine<Lanes, WideLanes>(light, normal_of(light, texel), light.texel.fraction, toward, watch).value);
   }
 }
 
-// The brightness of a block's fragments; width: of the frame.
+// The brightness of a block's fragments; width: of the frame; second: where light takes texels.
 template <class T>
 void light_block(const Pipeline& pipeline, const ShadePlan& plan, const FragmentBlock<T>& block, int width,
-                 T* out) {
+                 const SecondColumns* second, T* out) {
   const ChannelStage& channels = pipeline.channels;
   if (channels.light_at >= 0) {
     const std::int64_t* const values = block.channel[channels.light_at];
@@ -943,18 +1000,32 @@ void light_block(const Pipeline& pipeline, const ShadePlan& plan, const Fragment
     return;
   }
   if (plan.holds_brightness) {
-    plan.normals_fit_int64 ? brighten_block<Lanes>(pipeline, block, width, out)
-                           : brighten_block<WideLanes>(pipeline, block, width, out);
+    plan.normals_fit_int64 ? brighten_block<Lanes>(pipeline, block, width, second, out)
+                           : brighten_block<WideLanes>(pipeline, block, width, second, out);
     return;
   }
   LightRecord record;
+  TextureRecord texel{};
   for (std::size_t k = 0; k < block.size; ++k) {
     const FragmentRecord fragment = fragment_of(block, k, width);
+    const auto channel = [&](int at) {
+      const auto* const of = block.channel + at;
+      return std::array{of[0][k], of[1][k], of[2][k]};
+    };
     LightChannels given;
-    for (std::size_t i = 0; i < given.normal.size(); ++i) {
-      given.normal[i] = block.channel[static_cast<std::size_t>(channels.normal_at) + i][k];
+    if (!pipeline.light.has_map) {
+      given.normal = channel(channels.normal_at);
+    } else {
+      const bool own = channels.second_at >= 0;
+      given.place = channel(channels.relief_at);
+      given.at = {own ? block.u2[k] : block.u[k], own ? block.v2[k] : block.v[k]};
     }
-    brighten(pipeline.light, fragment, distance_of(pipeline, fragment), given, {}, record);
+    if (second != nullptr) {
+      texel.texel_r = second->texel[0][k];
+      texel.texel_g = second->texel[1][k];
+      texel.texel_b = second->texel[2][k];
+    }
+    brighten(pipeline.light, fragment, distance_of(pipeline, fragment), given, texel, record);
     out[k] = static_cast<T>(record.value);
   }
 }
@@ -974,7 +1045,7 @@ struct AnyColumns {
 
 template <class T>
 void colours_any(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFormats& formats,
-                 const BlockUnits<T>& units, const FragmentBlock<T>& block, const Frame& frame,
+                 BlockUnits<T> units, const FragmentBlock<T>& block, const Frame& frame,
                  ShadeColumns<T>& columns, Counters& counters) {
   const FogMode fog = pipeline.fog.mode;
   fog_factors<T, nullptr>(pipeline, plan, block, false, columns);
@@ -983,7 +1054,14 @@ void colours_any(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFor
     columns.factor[k] =
         static_cast<T>(fog_factor(pipeline.fog, fragment, distance_of(pipeline, fragment)).factor);
   }
+  HWY_ALIGN T brightness[FragmentBlock<T>::padded];
   const auto run = [&]<class Int>(auto watch) HWY_ATTR {
+    if (takes_texel(pipeline.light)) {
+      SecondColumns second;
+      find_texels<Int>(pipeline, plan, formats, units, block, second, watch);
+      light_block(pipeline, plan, block, frame.width, &second, brightness);
+      units.brightness = brightness;
+    }
     shade_block<Int, ImageKind::any, nullptr, true>(pipeline, plan, formats, fog, units, block, frame,
                                                     columns, counters, nullptr, watch);
   };
@@ -998,8 +1076,9 @@ void colours_any(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFor
 
 // The fragments among a block's that look up these levels. Returns whether there are some.
 template <class T>
-bool take_levels(const ChannelStage& channels, const FragmentBlock<T>& from, const BlockUnits<T>& units,
+bool take_levels(const Pipeline& pipeline, const FragmentBlock<T>& from, const BlockUnits<T>& units,
                  const std::array<std::int32_t, 2>& levels, AnyColumns<T>& any) {
+  const ChannelStage& channels = pipeline.channels;
   FragmentBlock<T>& to = any.part;
   std::size_t n = 0;
   for (std::size_t i = 0; i < from.size; ++i) {
@@ -1024,6 +1103,9 @@ bool take_levels(const ChannelStage& channels, const FragmentBlock<T>& from, con
   take(from.fog_step, to.fog_step);
   take(from.fog_factor, to.fog_factor);
   take(from.h, to.h);
+  // What light takes of the channels, where it takes texels besides.
+  const int at = pipeline.light.has_map ? channels.relief_at : channels.normal_at;
+  for (int c = at; takes_texel(pipeline.light) && c < at + 3; ++c) take(from.channel[c], to.channel[c]);
   for (std::size_t unit = 0; unit < 2; ++unit) take(any.levels[unit].share, any.shares[unit]);
   if (units.projected != nullptr) {
     take(units.projected->s, any.part_projected.s);
@@ -1072,7 +1154,7 @@ void colours_of_levels(const Pipeline& pipeline, const ShadePlan& plan, const Sh
   }
   for (std::array<std::int32_t, 2> levels = least; levels[0] <= most[0]; ++levels[0]) {
     for (levels[1] = least[1]; levels[1] <= most[1]; ++levels[1]) {
-      if (!take_levels(pipeline.channels, block, units, levels, any)) continue;
+      if (!take_levels(pipeline, block, units, levels, any)) continue;
       colours_any<T>(pipeline, plan, formats,
                      {images(levels),
                       {any.shares[0], any.shares[1]},
@@ -1100,8 +1182,8 @@ void shade_units(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFor
     units.projected = &projected;
   }
   HWY_ALIGN T brightness[FragmentBlock<T>::padded];
-  if (pipeline.light.is_on) {
-    light_block(pipeline, plan, block, frame.width, brightness);
+  if (pipeline.light.is_on && !takes_texel(pipeline.light)) {
+    light_block(pipeline, plan, block, frame.width, nullptr, brightness);
     units.brightness = brightness;
   }
   if (pipeline.has_lod && (textures[0] >= 0 || textures[1] >= 0)) {

@@ -171,6 +171,11 @@ bool fits_brightness(const Config& c) {
     return fits_int64(x) && (x * of(F::light_root)).bits() <= 61 && held_in(64, c.format(id));
   };
   fit = fit && becomes_unit(of(F::normal_value), F::light_normal);
+  if (has_relief(c)) {
+    fit = fit && becomes_unit(of(F::relief_value) - of(F::span_uv), F::light_direction) &&
+          becomes_unit(scaled(of(F::texture_mix), 1) - aligned(integer_grid(8), of(F::texture_mix).fraction),
+                       F::light_normal);
+  }
   if (has_light_points(c)) {
     const Grid pixels{17, 1, true};
     fit = fit && fits_int64(pixels * of(F::light_scale)) && narrows(of(F::distance_s), F::light_position) &&
@@ -203,6 +208,10 @@ bool fits_brightness(const Config& c) {
           narrows(distance * distance + distance, F::light_distance) &&
           divides(inverse, distance, F::light_fall) &&
           narrows(value * of(F::light_fall) + value, F::light_value);
+  }
+  if (has_light_shadow(c)) {
+    fit = fit && narrows(value * of(F::texture_alpha), F::light_value) &&
+          narrows(value + value, F::light_value);
   }
   return fit && held_in(64, c.format(F::light_direction)) && narrows(both + both + both, F::light_cosine) &&
          narrows(direction - scaled(cosine * normal, -1), F::light_cosine) &&
@@ -405,7 +414,7 @@ void prepare_view(ShadePlan& plan, const Pipeline& pipeline, const Config& confi
 
 bool holds_state(const ShadePlan& plan, const Pipeline& pipeline) {
   if (pipeline.state.translucency_pass != TranslucencyPass::all) return false;
-  if (pipeline.light.is_on && (!plan.holds_lit || pipeline.light.has_map)) return false;
+  if (pipeline.light.is_on && !plan.holds_lit) return false;
   if (pipeline.channels.any() && !pipeline.channels.fits_int64()) return false;
   if (!pipeline.texture_second.is_on()) return plan.holds_any;
   if (!plan.holds_second || !pipeline.project.is_on) return plan.holds_second;

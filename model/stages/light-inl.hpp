@@ -56,7 +56,8 @@ HWY_INLINE ValueOf<Int> fall_along(const LightStage& stage, const VectorOf<Value
 template <class V>
 struct TowardOf {
   VectorOf<V> direction;
-  V fall;  // where brightness falls
+  V fall;      // where brightness falls
+  V share{0};  // that a shadow leaves, where there may be one
 };
 // From a point of the view to the light; x and y from the left and from the top, in 2^-fraction pixels.
 // Wide: what the square of its length fits; Product: what the place across is rounded from.
@@ -65,7 +66,7 @@ HWY_INLINE TowardOf<ValueOf<Int>> toward_light(const LightStage& stage, ValueOf<
                                                int fraction, ValueOf<Int> s, int s_fraction, Watch watch) {
   using V = ValueOf<Int>;
   const VectorOf<V> far{V(stage.far_direction[0]), V(stage.far_direction[1]), V(stage.far_direction[2])};
-  if (!stage.takes_place) return {far, V(0)};
+  if (!stage.takes_place) return {far, V(0), V(0)};
   // The picture's middle lies at halves of a pixel.
   const int grid = std::max(fraction, 1);
   const auto across = [&](V at, std::int64_t size) HWY_ATTR {
@@ -80,12 +81,34 @@ HWY_INLINE TowardOf<ValueOf<Int>> toward_light(const LightStage& stage, ValueOf<
   const auto unit = [&](const VectorOf<V>& of) HWY_ATTR {
     return of_length_1<Int, Wide>(stage.root, of, stage.position.fraction, stage.direction, watch);
   };
-  TowardOf<V> out{stage.is_point ? unit(from_here) : far, V(0)};
+  TowardOf<V> out{stage.is_point ? unit(from_here) : far, V(0), V(0)};
   if (stage.falls) {
     out.fall = stage.to_viewer ? fall_along<Int>(stage, here, unit(here), watch)
                                : fall_along<Int>(stage, from_here, out.direction, watch);
   }
   return out;
+}
+
+// From a fragment to the light, in the field of a map of normals; place: on relief.value, u and v: on
+// span.uv. Wide: what the square of its length fits.
+template <class Int, class Wide, class Watch>
+HWY_INLINE VectorOf<ValueOf<Int>> direction_in_field(const LightStage& stage,
+                                                     const VectorOf<ValueOf<Int>>& place, ValueOf<Int> u,
+                                                     ValueOf<Int> v, Watch watch) {
+  const int grid = std::max({stage.relief.fraction, stage.uv.fraction, 0});
+  const int up = grid - stage.relief.fraction;
+  const int uv_up = grid - stage.uv.fraction;
+  return of_length_1<Int, Wide>(
+      stage.root, {(place[0] << up) - (u << uv_up), (place[1] << up) - (v << uv_up), place[2] << up}, grid,
+      stage.direction, watch);
+}
+
+// A texel as a normal, 255 times as long, in 2^-fraction of texture.mix.
+template <class V>
+HWY_INLINE VectorOf<V> normal_of(const LightStage& stage, const VectorOf<V>& texel) {
+  const int up = std::max(-stage.texel.fraction, 0);
+  const V middle(std::int64_t{255} << (stage.texel.fraction + up));
+  return {(texel[0] << (up + 1)) - middle, (texel[1] << (up + 1)) - middle, (texel[2] << (up + 1)) - middle};
 }
 
 // The power of a cosine that is not below 0.
@@ -155,10 +178,15 @@ HWY_INLINE ShineOf<ValueOf<Int>> shine(const LightStage& stage, const VectorOf<V
       ((constant<Int>(stage.diffuse) * Int(scattered)) << (sum_grid - stage.cosine.fraction)) +
       ((constant<Int>(stage.highlight) * Int(out.specular)) << (sum_grid - stage.specular.fraction));
   const Int ambient = constant<Int>(stage.ambient);
-  if (stage.falls) {
-    const V near = quantize(sum, stage.value.fraction + sum_grid, stage.value, watch);
-    out.value = quantize(times<Int>(near, toward.fall) + (ambient << stage.fall.fraction),
-                         stage.value.fraction + stage.fall.fraction, stage.value, watch);
+  if (stage.falls || stage.has_shadow) {
+    V near = quantize(sum, stage.value.fraction + sum_grid, stage.value, watch);
+    if (stage.has_shadow) {
+      near = quantize(times<Int>(near, toward.share), stage.value.fraction + stage.share.fraction,
+                      stage.value, watch);
+    }
+    const int grid = stage.falls ? stage.fall.fraction : 0;
+    const Int far = stage.falls ? times<Int>(near, toward.fall) : Int(near);
+    out.value = quantize(far + (ambient << grid), stage.value.fraction + grid, stage.value, watch);
   } else {
     out.value = quantize(sum + (ambient << sum_grid), stage.value.fraction + sum_grid, stage.value, watch);
   }

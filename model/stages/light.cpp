@@ -38,30 +38,11 @@ std::int64_t power_of(std::int64_t j, int bits, int power, const Register& r, Wa
   return quantize(floor << 1 | (sticky ? 1 : 0), fraction + 1, r, watch);
 }
 
-// From a fragment to the light, in the field of a map of normals.
-template <class Watch>
-std::array<std::int64_t, 3> direction_in_field(const LightStage& stage, const LightChannels& channels,
-                                               Watch watch) {
-  const int grid = std::max({stage.relief.fraction, stage.uv.fraction, 0});
-  const auto place = [&](std::size_t i) { return channels.place[i] << (grid - stage.relief.fraction); };
-  const auto at = [&](std::size_t i) { return channels.at[i] << (grid - stage.uv.fraction); };
-  return text::of_length_1<int128, int128>(stage.root, {place(0) - at(0), place(1) - at(1), place(2)}, grid,
-                                           stage.direction, watch);
-}
-
-// The texel as a normal, 255 times as long, in 2^-fraction of texture.mix.
-std::array<std::int64_t, 3> normal_of(const LightStage& stage, const TextureRecord& texture) {
-  const int up = std::max(-stage.texel.fraction, 0);
-  const auto part = [&](std::int64_t code) {
-    return 2 * (code << up) - (std::int64_t{255} << (stage.texel.fraction + up));
-  };
-  return {part(texture.texel_r), part(texture.texel_g), part(texture.texel_b)};
-}
-
 }  // namespace
 
 void set_light(LightStage& stage, const DrawState& state) {
   stage.has_map = stage.is_on && stage.takes_map && has_relief(state);
+  stage.has_shadow = stage.is_on && stage.takes_shadow && shades_light(state);
 }
 
 template <class Watch>
@@ -101,6 +82,8 @@ LightStage prepare_light(const Config& config, const Constants& constants, const
   s.cosine = make_register(config, FormatId::light_cosine);
   s.specular = make_register(config, FormatId::light_specular);
   s.takes_map = has_relief(config);
+  s.takes_shadow = has_light_shadow(config);
+  s.share = make_register(config, FormatId::texture_alpha);
   s.relief = make_register(config, FormatId::relief_value);
   s.uv = make_register(config, FormatId::span_uv);
   s.texel = make_register(config, FormatId::texture_mix);
@@ -180,10 +163,15 @@ void brighten(const LightStage& stage, const FragmentRecord& fragment, const Dis
     auto toward = text::toward_light<int128, int128, int128>(stage, 2 * fragment.x + 1, 2 * fragment.y + 1, 1,
                                                              distance.s, stage.pixel_s.fraction, watch);
     text::ShineOf<std::int64_t> shone;
+    if (stage.has_shadow) {
+      toward.share = quantize_ratio(texture.texel_r, 255, -stage.texel.fraction, stage.share, watch);
+    }
     if (stage.has_map) {
-      toward.direction = direction_in_field(stage, channels, watch);
-      shone =
-          text::shine<int128, int128>(stage, normal_of(stage, texture), stage.texel.fraction, toward, watch);
+      toward.direction = text::direction_in_field<int128, int128>(stage, channels.place, channels.at[0],
+                                                                  channels.at[1], watch);
+      const text::VectorOf<std::int64_t> texel{texture.texel_r, texture.texel_g, texture.texel_b};
+      shone = text::shine<int128, int128>(stage, text::normal_of(stage, texel), stage.texel.fraction, toward,
+                                          watch);
     } else {
       shone = text::shine<int128, int128>(stage, channels.normal, stage.given_normal.fraction, toward, watch);
     }

@@ -21,6 +21,8 @@ struct LightStage {
   bool is_point = false;
   bool takes_map = false;  // of normals, where the draw state has one:
   bool has_map = false;
+  bool takes_shadow = false;  // of a shadow map, where the draw state has one:
+  bool has_shadow = false;
   bool is_lunar = false;
   bool falls = false, by_square = false, to_viewer = false;  // with a distance, to that
   bool takes_place = false;                                  // of what is lit
@@ -28,6 +30,7 @@ struct LightStage {
   Register given_normal, position, normal, direction, cosine, specular, value, color;
   Register inverse, lunar, distance, fall;
   Register relief, uv, texel;  // of a map of normals
+  Register share;              // that a shadow leaves of the light
   Register coordinate, vertex_s, pixel_s;
   int exponent = 0;                                      // E: distances are divided by 2^E
   Exact scale;                                           // 1 / F
@@ -47,6 +50,8 @@ LightStage prepare_light(const Config& config, const Constants& constants, const
                          Watch watch = {});
 
 void set_light(LightStage& stage, const DrawState& state);
+// Whether the second unit's texel is for light alone.
+inline bool takes_texel(const LightStage& stage) { return stage.has_map || stage.has_shadow; }
 
 // The channel light at a vertex, raw in `vertex`.
 template <class Watch = NoObserve>

@@ -32,6 +32,7 @@ HWY_INLINE Scaled<Int> combined_color(const TextureSecondStage& stage, ValueOf<I
     case TextureOp::modulate:
       return first * factor;
     case TextureOp::relief:
+    case TextureOp::shadow:
       return first;
     case TextureOp::decal:
       return first * one_minus(alpha) + texel * alpha;
@@ -66,6 +67,7 @@ HWY_INLINE void combine(const TextureSecondStage& stage, const std::array<ValueO
       break;
     case TextureOp::decal:
     case TextureOp::relief:
+    case TextureOp::shadow:
       break;
     case TextureOp::modulate:
     case TextureOp::blend:

@@ -324,7 +324,7 @@ TEST(DrawState, TheSecondTextureIsOneOfTheScene) {
   EXPECT_EQ(
       refused(R"({"state": {"texture1.op": "mix"}})"),
       "s.tri:2: state.texture1.op: \"mix\" is not legal; expected replace, modulate, decal, blend, add, "
-      "modulate_scaled, relief");
+      "modulate_scaled, relief, shadow");
   const Scene scene = parsed(
       "\n"
       R"({"state": {"texture1": -1, "texture1.scale": 2}})" +

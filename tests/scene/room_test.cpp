@@ -73,6 +73,9 @@ TEST(Room, FollowsTheConfiguration) {
   c.light_source = LightSource::point;
   c.project = ProjectUnit::reciprocal;
   EXPECT_TRUE(room_options(c).lamp && room_options(c).shadow && room_options(c).relief);
+  EXPECT_FALSE(room_options(c).lamp_takes_shadow);
+  c.light_shadow = LightShadow::map;
+  EXPECT_TRUE(room_options(c).lamp_takes_shadow);
 }
 
 TEST(Room, RefusesASize) {

@@ -263,6 +263,27 @@ TEST(Shadow, ThePlan) {
   EXPECT_EQ(state.texture1_op, TextureOp::modulate);
   EXPECT_EQ(state.texture1_outside, ProjectOutside::lit);
 
+  // A light takes the shadow where the configuration lets it, and the view has one.
+  const auto op_of = [&](Scene lit, bool takes, std::optional<double> dark) {
+    ShadowOptions by = options;
+    by.light_takes = takes;
+    by.dark = dark;
+    DrawState last = first_state(with_projection());
+    const Scene drawn = shadowed(std::move(lit), faces, by);
+    for (const DrawCommand& command : drawn.commands) {
+      if (const auto* change = std::get_if<StateChange>(&command.what)) {
+        last = changed_state(last, *change, with_projection(), drawn.textures.size());
+      }
+    }
+    return std::pair(last.texture1_op, last.texture1_red);
+  };
+  Scene lit = scene;
+  lit.light.emplace();
+  EXPECT_EQ(op_of(lit, true, {}), std::pair(TextureOp::shadow, 0));
+  EXPECT_EQ(op_of(lit, true, 0.5), std::pair(TextureOp::shadow, 128));
+  EXPECT_EQ(op_of(lit, false, {}), std::pair(TextureOp::modulate, 89));
+  EXPECT_EQ(op_of(scene, true, {}), std::pair(TextureOp::modulate, 89));
+
   // The picture's triangles are the scene's, with what the light sees of them, a little nearer.
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -411,7 +432,7 @@ TEST(Shadow, BadOptionsAreOneLine) {
   refused("shadow.bias: 65 is not legal; expected 0..64 texels", [](auto& o) { o.bias = 65; });
   refused("shadow.bias: nan is not legal; expected 0..64 texels", [&](auto& o) { o.bias = nan; });
   refused("shadow.dark: 1.5 is not legal; expected 0..1", [](auto& o) { o.dark = 1.5; });
-  refused("shadow.dark: nan is not legal; expected 0..1", [](auto& o) { o.dark = nan; });
+  refused("shadow.dark: nan is not legal; expected 0..1", [nan](auto& o) { o.dark = nan; });
   // The names are the caller's.
   ShadowOptions bad = good;
   bad.size = 0;

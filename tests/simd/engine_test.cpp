@@ -389,6 +389,29 @@ TEST(Forms, Lights) {
   EXPECT_GT(compare_with("lights", ask, put), 15);
 }
 
+// Maps of normals and shadows of a light, among states without: with coordinates of their own, levels, a
+// projector and a fall.
+TEST(Forms, Reliefs) {
+  const auto ask = [](Random& random, std::uint64_t seed, Config& c) {
+    c.light = LightAt::pixel;
+    c.light_source = LightSource::point;
+    if (seed % 4 != 0) c.light_normal = LightNormal::map;
+    if (seed % 4 != 1) c.light_shadow = LightShadow::map;
+    c.second_coordinates = random.chance(0.5) ? SecondCoordinates::own : SecondCoordinates::first;
+    if (random.chance(0.5)) c.light_fall = LightFall::second;
+    if (seed % 5 == 0) c.project = ProjectUnit::reciprocal;
+    if (random.chance(0.3)) {
+      c.lod = LodMode::gradient;
+      c.mip = random.chance(0.5) ? MipMode::linear : MipMode::nearest;
+    }
+  };
+  const auto put = [](Random& random, std::uint64_t /*seed*/, const Config& c, Scene& scene) {
+    if (has_project(c.project)) draw_projection(random, scene);
+    draw_light(random, scene, light_taken(c));
+  };
+  EXPECT_GT(compare_with("reliefs", ask, put), 15);
+}
+
 // A second scene with other textures has levels of its own.
 TEST(Forms, LevelsOfTheNextScene) {
   Config c = shipped_config("depth16");

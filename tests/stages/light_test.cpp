@@ -347,6 +347,48 @@ TEST(Light, ReliefIsLitInTheMapsField) {
               (3 * 59 + 4 * 77 + 12 * 233) / (13 * std::hypot(59, 77, 233)), 1e-5);
 }
 
+// The brightness of a pixel whose normal is toward the viewer, where the shadow map's texel has that red.
+double in_shadow(double red, const Light& light, LightFall fall = LightFall::none) {
+  Config c = config_of(LightAt::pixel, LightSource::point);
+  c.light_shadow = LightShadow::map;
+  c.light_fall = fall;
+  Scene scene = worked_scene();
+  scene.light = light;
+  model::LightStage stage = model::prepare_light(c, model::make_constants(c, scene), scene);
+  DrawState state = first_state(c);
+  state.texture1 = 0;
+  state.texture1_op = TextureOp::shadow;
+  model::set_light(stage, state);
+  EXPECT_TRUE(stage.has_shadow);
+  const auto raw = [&](double x, F id) {
+    return static_cast<std::int64_t>(std::ldexp(x, c.format(id).fraction()));
+  };
+  model::LightChannels channels;
+  channels.normal = {0, 0, raw(-1, F::normal_value)};
+  TextureRecord texture;
+  texture.texel_r = raw(red, F::texture_mix);
+  texture.texel_g = texture.texel_b = raw(255, F::texture_mix);
+  LightRecord out;
+  model::light(stage, {.x = scene.width / 2, .y = scene.height / 2}, {.s = raw(1, F::distance_s)}, channels,
+               texture, out);
+  return decoded(out.value, c.format(F::light_value));
+}
+
+TEST(Light, AShadowLeavesTheAmbientLight) {
+  const Light light = toward(0, 0, -1, 0.125, 0.25);
+  EXPECT_EQ(in_shadow(0, light), 0.125);
+  EXPECT_NEAR(in_shadow(255, light), 1, 1e-4);
+  // A filter's share of a map's texels: the light's two terms, 7/8 of the brightness, by it.
+  EXPECT_NEAR(in_shadow(51, light), 0.125 + 0.875 / 5, 1e-3);
+  EXPECT_NEAR(in_shadow(127.5, light), 0.125 + 0.875 / 2, 1e-3);
+  // Where the distance takes a half, the shadow takes of what is left.
+  Light lamp{.is_point = true, .place = {0, 0, -1}, .ambient = 0.125, .specular = 0.25};
+  lamp.reach = worked_scene().s_max;
+  const double near = in_shadow(255, lamp, LightFall::first);
+  EXPECT_GT(near, 0.2);
+  EXPECT_NEAR(in_shadow(51, lamp, LightFall::first), 0.125 + (near - 0.125) / 5, 1e-3);
+}
+
 TEST(Light, NeedsTheConfigurationsLeave) {
   Scene scene = random_scene(3, {});
   const Light lights[] = {{.is_point = true, .place = {0, 0, 1}}, {.lunar = 1}, {.reach = scene.s_max}};
@@ -399,6 +441,7 @@ TEST(Light, GoldenIsTheModel) {
         c.perspective = all_perspectives[seed % std::size(all_perspectives)];
         if (seed % 2 == 0) c.light_law = LightLaw::lunar;
         if (at == LightAt::pixel && seed % 3 != 0) c.light_normal = LightNormal::map;
+        if (at == LightAt::pixel && seed % 3 != 1) c.light_shadow = LightShadow::map;
         if (has_points(source)) {
           c.light_fall = std::array{LightFall::none, LightFall::first, LightFall::second}[seed % 3];
           c.light_fall_to = seed % 4 < 2 ? LightFallTo::light : LightFallTo::viewer;
@@ -485,7 +528,7 @@ TEST(Light, AFaceHasItsFirstVertex) {
 
 // Each key, and each register, has a say in the records of some mode, and golden follows.
 TEST(Light, EveryKeyMovesSomething) {
-  Scene with_all = random_lit(8, {.point = true, .map = true});
+  Scene with_all = random_lit(8, {.point = true, .map = true, .shadow = true});
   with_all.light->lunar = 1.75;
   with_all.light->reach = with_all.s_max;
   with_all.light->offset = 0.25;
@@ -498,7 +541,10 @@ TEST(Light, EveryKeyMovesSomething) {
       for (const bool points : {true, false}) {
         Config c = config_of(at, points ? LightSource::point : LightSource::parallel);
         c.row_slope = rows;
-        if (points && at == LightAt::pixel) c.light_normal = LightNormal::map;
+        if (points && at == LightAt::pixel) {
+          c.light_normal = LightNormal::map;
+          c.light_shadow = LightShadow::map;
+        }
         if (points) {
           c.light_law = LightLaw::lunar;
           c.light_fall = LightFall::second;
@@ -541,7 +587,8 @@ TEST(Light, EveryKeyMovesSomething) {
   });
   try_key("light.fall_to", [](Config& c) { c.light_fall_to = LightFallTo::viewer; });
   try_key("light.normal", [](Config& c) { c.light_normal = LightNormal::channel; });
-  EXPECT_EQ(tried, 35U);
+  try_key("light.shadow", [](Config& c) { c.light_shadow = LightShadow::none; });
+  EXPECT_EQ(tried, 36U);
 }
 
 TEST(Light, KeysMustFit) {
@@ -556,6 +603,10 @@ TEST(Light, KeysMustFit) {
   c.light_normal = LightNormal::map;
   ASSERT_TRUE(first_violation(c));
   EXPECT_EQ(first_violation(c)->key, "light.normal");
+  c = config_of(LightAt::vertex);
+  c.light_shadow = LightShadow::map;
+  ASSERT_TRUE(first_violation(c));
+  EXPECT_EQ(first_violation(c)->key, "light.shadow");
   c = config_of(LightAt::pixel);
   c.light_fall = LightFall::first;
   ASSERT_TRUE(first_violation(c));

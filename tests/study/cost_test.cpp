@@ -273,7 +273,10 @@ std::vector<Config> further_modes() {
   for (const LightAt at : {LightAt::pixel, LightAt::vertex}) {
     Config lit = base;
     lit.light = at;
-    if (lights_pixels(at)) lit.light_normal = LightNormal::map;
+    if (lights_pixels(at)) {
+      lit.light_normal = LightNormal::map;
+      lit.light_shadow = LightShadow::map;
+    }
     add(lit);
     lit.light_source = LightSource::point;
     lit.light_law = LightLaw::lunar;
