@@ -111,18 +111,6 @@ Scene with_plain_textures(Scene scene) {
   return scene;
 }
 
-// The enumerator of that name; the first one where there is none.
-template <class E>
-E choice(const std::optional<std::string>& text, const char* flag) {
-  if (!text) return E{};
-  const auto found = std::ranges::find(enum_names<E>, *text);
-  if (found == enum_names<E>.end()) {
-    throw InputError(
-        fmt::format("{}: {} is not legal; expected {}", flag, *text, fmt::join(enum_names<E>, ", ")));
-  }
-  return static_cast<E>(found - enum_names<E>.begin());
-}
-
 struct Stereo {
   StereoLayout layout;
   StereoBy by;
@@ -146,6 +134,12 @@ std::optional<Stereo> stereo_of(const RenderArguments& o) {
     throw InputError(
         fmt::format("--parallax: {} is not legal; expected a number of pixels, at most {} either way",
                     *o.parallax, picture_size_limit));
+  }
+  if (is_parallel(o.view)) {
+    throw InputError(
+        fmt::format("--stereo: two eyes see distances, which --projection {} does not have; expected "
+                    "one of them",
+                    *o.view.projection));
   }
   if (o.output.empty() || !o.dump.empty() || !o.emit_tri.empty() || o.statistics || o.view.supersample > 1) {
     throw InputError(

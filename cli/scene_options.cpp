@@ -74,6 +74,8 @@ void refuse_camera(const std::string& name, const SceneOptions& o) {
   refuse(o.fov.has_value(), "--fov");
   refuse(o.near.has_value(), "--near");
   refuse(o.far.has_value(), "--far");
+  refuse(o.projection.has_value(), "--projection");
+  refuse(!o.receding.empty(), "--receding");
   refuse(!o.texture.empty(), "--texture");
   refuse(!o.texture1.empty(), "--texture1");
   refuse(!o.light_map.empty(), "--light-map");
@@ -115,6 +117,10 @@ void refuse_size(const std::string& name, const Scene& scene, const SceneOptions
 
 }  // namespace
 
+bool is_parallel(const SceneOptions& o) {
+  return choice<Projection>(o.projection, "--projection") != Projection::central;
+}
+
 SceneOptions seen_with(const Config& config, SceneOptions options) {
   for (const auto& [given, flag] :
        {std::pair{&options.texture1, "--texture1"}, std::pair{&options.light_map, "--light-map"},
@@ -125,6 +131,12 @@ SceneOptions seen_with(const Config& config, SceneOptions options) {
                       "expected one with texture.second = \"own\"",
                       flag));
     }
+  }
+  if (is_parallel(options) && !has_own_depth(config.depth_line)) {
+    throw InputError(
+        fmt::format("--projection {}: its depths are a line of their own; expected a configuration "
+                    "with depth.line = \"z\"",
+                    *options.projection));
   }
   options.depth_bits = config.depth_bits;
   options.depth_code = config.depth_code;
@@ -281,6 +293,44 @@ std::optional<SlideOptions> slide_of(const SceneOptions& o, const Vec3& up) {
                       .degrees = n[6]};
 }
 
+// What --projection and --receding say. Throws InputError beside what needs the distance from the viewer at
+// each pixel, which vertices of one distance do not give.
+void set_projection(const SceneOptions& o, Camera& camera) {
+  if (!o.receding.empty()) {
+    if (o.projection != "oblique") {
+      throw InputError(
+          "--receding: is for lines away from the viewer; expected --projection oblique beside it");
+    }
+    const auto n = parse_numbers(o.receding, "--receding", 2, "a length and degrees, as 0.5,45");
+    camera.receding = n[0];
+    camera.receding_degrees = n[1];
+  }
+  if (!is_parallel(o)) return;
+  camera.projection = choice<Projection>(o.projection, "--projection");
+  for (const auto& [given, flag] : {std::pair{!o.fog.empty(), "--fog"},
+                                    {!o.shadow.empty(), "--shadow"},
+                                    {!o.slide.empty(), "--slide"},
+                                    {!o.light_map.empty(), "--light-map"},
+                                    {!o.relief.empty(), "--relief"},
+                                    {!o.light.empty() && o.light_points, "--light at a point"}}) {
+    if (given) {
+      throw InputError(
+          fmt::format("{}: needs distances from a viewer, which --projection {} does not have; "
+                      "expected one of them",
+                      flag, *o.projection));
+    }
+  }
+  if (camera.projection != Projection::isometric) return;
+  for (const auto& [given, flag] : {std::pair{o.yaw.has_value(), "--yaw"},
+                                    {o.pitch.has_value(), "--pitch"},
+                                    {!o.camera.empty(), "--camera"}}) {
+    if (given) {
+      throw InputError(
+          fmt::format("{}: --projection isometric has its own direction; expected one of them", flag));
+    }
+  }
+}
+
 LoadedScene load_mesh(const std::string& name, const SceneOptions& o, int number) {
   MeshOptions options;
   const Size size = picture_size(o.size);
@@ -296,6 +346,7 @@ LoadedScene load_mesh(const std::string& name, const SceneOptions& o, int number
     camera.position = Vec3{p[0], p[1], p[2]};
   }
   camera.fov_degrees = o.fov;
+  set_projection(o, camera);
   camera.s_min = o.near;
   camera.s_max = o.far;
   if (!o.texture.empty()) {
@@ -349,6 +400,17 @@ void add_scene_options(CLI::App& command, SceneOptions& o) {
   command.add_option("--distance", o.distance, "mesh: from the model's centre (default: frames it)")
       ->group(group);
   command.add_option("--fov", o.fov, "mesh: degrees of the picture's height, 1..170 (default 40)")
+      ->group(group);
+  command
+      .add_option(
+          "--projection", o.projection,
+          "mesh: central; or parallel: orthographic, isometric, oblique, as large as the central one at "
+          "the model's centre. These need depth.line = \"z\"")
+      ->group(group);
+  command
+      .add_option(
+          "--receding", o.receding,
+          "mesh: length,degrees of lines away from the viewer in an oblique projection (default 0.5,45)")
       ->group(group);
   command.add_option("--near", o.near, "mesh: s_min (default: just before the model)")->group(group);
   command.add_option("--far", o.far, "mesh: s_max (default: just behind the model)")->group(group);
@@ -777,6 +839,8 @@ std::string flags_text(const SceneOptions& o) {
   number("--fov", o.fov);
   number("--near", o.near);
   number("--far", o.far);
+  text("--projection", o.projection.value_or(""));
+  text("--receding", o.receding);
   text("--texture", o.texture);
   text("--texture1", o.texture1);
   text("--fog", o.fog);

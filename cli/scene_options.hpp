@@ -2,6 +2,9 @@
 // The options that say what is drawn: a scene and, for a mesh, its camera.
 #pragma once
 
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -28,6 +31,8 @@ struct SceneOptions {
   std::string size;    // "WxH", empty: the stream's own, or 640x480
   std::string camera;  // "x,y,z", empty: an orbit by yaw and pitch
   std::optional<double> yaw, pitch, distance, fov, near, far;
+  std::optional<std::string> projection;  // a name of Projection
+  std::string receding;                   // "length,degrees" of an oblique one
   std::string texture, texture1;
   std::string fog;        // "r,g,b,distance"
   std::string light;      // "x,y,z", and ",ambient,specular,exponent", ",lunar" and ",reach,offset" behind it
@@ -61,6 +66,20 @@ struct SceneOptions {
 // The options of a scene that is drawn with that configuration. Throws InputError where it lacks what an
 // option takes.
 SceneOptions seen_with(const Config& config, SceneOptions options);
+// Whether --projection is a parallel one.
+bool is_parallel(const SceneOptions& options);
+
+// The enumerator of that name; the first one where there is none.
+template <class E>
+E choice(const std::optional<std::string>& text, const char* flag) {
+  if (!text) return E{};
+  const auto found = std::ranges::find(enum_names<E>, *text);
+  if (found == enum_names<E>.end()) {
+    throw InputError(
+        fmt::format("{}: {} is not legal; expected {}", flag, *text, fmt::join(enum_names<E>, ", ")));
+  }
+  return static_cast<E>(found - enum_names<E>.begin());
+}
 
 struct LoadedScene {
   Scene scene;

@@ -14,13 +14,13 @@ constexpr std::array<ClipBit, 6> all_planes{clip_near,  clip_far, clip_left,
 double distance(const ClipVertex& p, const ClipVolume& volume, ClipBit plane) {
   switch (plane) {
     case clip_left:
-      return p.x + volume.limit_x * p.s;
+      return p.x + volume.limit_x * bound(p, volume);
     case clip_right:
-      return volume.limit_x * p.s - p.x;
+      return volume.limit_x * bound(p, volume) - p.x;
     case clip_top:
-      return p.y + volume.limit_y * p.s;
+      return p.y + volume.limit_y * bound(p, volume);
     case clip_bottom:
-      return volume.limit_y * p.s - p.y;
+      return volume.limit_y * bound(p, volume) - p.y;
     case clip_near:
       return p.s - volume.s_min;
     case clip_far:
@@ -38,16 +38,16 @@ ClipVertex cut(const ClipVertex& inner, const ClipVertex& outer, const ClipVolum
   // Onto the plane exactly, so that rounding leaves no vertex beyond it.
   switch (plane) {
     case clip_left:
-      p.x = -volume.limit_x * p.s;
+      p.x = -volume.limit_x * bound(p, volume);
       break;
     case clip_right:
-      p.x = volume.limit_x * p.s;
+      p.x = volume.limit_x * bound(p, volume);
       break;
     case clip_top:
-      p.y = -volume.limit_y * p.s;
+      p.y = -volume.limit_y * bound(p, volume);
       break;
     case clip_bottom:
-      p.y = volume.limit_y * p.s;
+      p.y = volume.limit_y * bound(p, volume);
       break;
     case clip_near:
       p.s = volume.s_min;

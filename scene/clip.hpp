@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "scene/transform.hpp"
@@ -14,7 +15,12 @@ namespace bitspan {
 struct ClipVolume {
   double limit_x = 1, limit_y = 1;
   double s_min = 1, s_max = 1000;
+  std::optional<double> across{};  // of a parallel projection: in the place of s at the sides
 };
+// What bounds x and y of a vertex.
+inline double bound(const ClipVertex& vertex, const ClipVolume& volume) {
+  return volume.across.value_or(vertex.s);
+}
 
 enum ClipBit : std::uint8_t {
   clip_left = 1,

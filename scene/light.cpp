@@ -97,7 +97,7 @@ void give_normals(std::span<Face> faces, double crease) {
 void turn_to_viewer(std::span<Face> faces, const Viewpoint& view, bool all) {
   for (Face& face : faces) {
     if (!face.two_sided && !all) continue;
-    if (dot(area_vector(face), view.position - face.corner[0].position) >= 0) continue;
+    if (dot(area_vector(face), line_of_sight(face.corner[0].position, view)) <= 0) continue;
     for (Corner& corner : face.corner) set_normal(corner, normal_of(corner) * -1);
   }
 }

@@ -339,15 +339,36 @@ Viewpoint make_view(const Mesh& mesh, const Camera& camera, int width, int heigh
     throw InputError(
         "camera: yaw or pitch is not legal; expected a finite yaw and a pitch of -89..89 degrees");
   }
+  const bool is_isometric = camera.projection == Projection::isometric;
+  if (is_isometric && camera.position) {
+    throw InputError("camera: the isometric projection has its own direction; expected no position");
+  }
+  const bool is_oblique = camera.projection == Projection::oblique;
+  if (!(camera.receding > 0 && camera.receding <= 4) || !std::isfinite(camera.receding_degrees)) {
+    throw InputError("camera: receding lines are " + std::to_string(camera.receding) +
+                     " long; expected above 0 to 4, and a finite direction");
+  }
   const double half_angle = std::atan(std::min(width, height) / 2.0 / view.focal);
-  const double distance = camera.distance.value_or(camera.closeness * 1.02 * radius / std::sin(half_angle));
+  // Lines away from the viewer lead out of the circle that the model is seen in.
+  const double reach = radius * (is_oblique ? 1 + camera.receding : 1);
+  const double distance = camera.distance.value_or(camera.closeness * 1.02 * reach / std::sin(half_angle));
   if (!(distance > 0) || !std::isfinite(distance)) {
     throw InputError("camera: distance " + std::to_string(distance) +
                      " is not legal; expected a number above 0");
   }
-  const double yaw = radians(camera.yaw_degrees), pitch = radians(camera.pitch_degrees);
+  const double yaw = is_isometric ? std::numbers::pi / 4 : radians(camera.yaw_degrees);
+  const double pitch =
+      is_isometric ? std::asin(std::tan(std::numbers::pi / 6)) : radians(camera.pitch_degrees);
   const Vec3 orbit{std::sin(yaw) * std::cos(pitch), std::sin(pitch), std::cos(yaw) * std::cos(pitch)};
   look_at(view, camera.position.value_or(target + orbit * distance), target, camera.up);
+  if (camera.projection != Projection::central) {
+    view.parallel = Parallel{.distance = length(target - view.position)};
+    if (is_oblique) {
+      const double angle = radians(camera.receding_degrees);
+      view.parallel->shear_x = camera.receding * std::cos(angle);
+      view.parallel->shear_y = -camera.receding * std::sin(angle);
+    }
+  }
 
   double nearest = std::numeric_limits<double>::infinity(), farthest = -nearest;
   for (const Face& face : mesh.faces) {

@@ -25,6 +25,11 @@ struct Mesh {
   std::vector<std::string> notes;  // what of the file is not shown, one line each, without the file's name
 };
 
+// How space becomes a picture [B6]: by lines of sight that meet in the viewer, or by parallel ones.
+// isometric: orthographic, from where the three axes are equally short. oblique: the picture's plane is to
+// scale, and what lies behind it goes to the upper right.
+BITSPAN_ENUM(Projection, central, orthographic, isometric, oblique);
+
 // Where the viewer is. The defaults put the whole model into the picture.
 struct Camera {
   // Orbit around the target: yaw 0 looks along -z, growing yaw carries the viewer toward +x, growing pitch
@@ -36,6 +41,11 @@ struct Camera {
   std::optional<Vec3> position;    // takes the place of yaw, pitch and distance
   std::optional<Vec3> target;      // the centre of the model's bounding box
   Vec3 up{0, 1, 0};
+  // A parallel one is as large as the central one at the target, and needs depth.line = z. isometric takes
+  // the place of yaw, pitch and position.
+  Projection projection = Projection::central;
+  double receding = 0.5,
+         receding_degrees = 45;  // oblique: length and direction of lines away from the viewer
   std::optional<double>
       fov_degrees;              // of the picture's height, 1..170; 40 where neither this nor focal is given
   std::optional<double> focal;  // pixels

@@ -19,18 +19,24 @@ bool faces_viewer(const Face& face, const Viewpoint& view) {
   const Vec3 a = face.corner[0].position - view.position;
   const Vec3 b = face.corner[1].position - view.position;
   const Vec3 c = face.corner[2].position - view.position;
-  return dot(a, cross(b - a, c - a)) < 0;
+  return dot(view.parallel ? line_of_sight({}, view) : a, cross(b - a, c - a)) < 0;
 }
 
-Vertex to_screen(const ClipVertex& p, const Viewpoint& view) {
-  return {{view.width / 2.0 * (1 + p.x / p.s), view.height / 2.0 * (1 + p.y / p.s),
-           std::clamp(p.s, view.s_min, view.s_max)},
-          clamped(p)};
+// In a parallel projection all vertices have one distance, so that the pipeline divides by nothing that
+// changes, and their depths are a line of their own.
+Vertex to_screen(const ClipVertex& p, const Viewpoint& view, const ClipVolume& volume) {
+  const double w = bound(p, volume);
+  Vertex out{{view.width / 2.0 * (1 + p.x / w), view.height / 2.0 * (1 + p.y / w),
+              std::clamp(w, view.s_min, view.s_max)},
+             clamped(p)};
+  if (view.parallel) out.z = std::clamp((p.s - view.s_min) / (view.s_max - view.s_min), 0.0, 1.0);
+  return out;
 }
 
 void project_one_by_one(std::span<const Face> faces, const Viewpoint& view, const ProjectOptions& options,
                         std::vector<Triangle>& triangles, ProjectReport& report) {
   ClipVolume volume{1, 1, view.s_min, view.s_max};
+  if (view.parallel) volume.across = view.parallel->distance;
   if (!options.clip_sides) {
     volume.limit_x = std::max(1.0, 2 * guard_band_pixels / view.width);
     volume.limit_y = std::max(1.0, 2 * guard_band_pixels / view.height);
@@ -66,7 +72,7 @@ void project_one_by_one(std::span<const Face> faces, const Viewpoint& view, cons
       ++report.clipped;
     }
     screen.clear();
-    for (const ClipVertex& p : polygon) screen.push_back(to_screen(p, view));
+    for (const ClipVertex& p : polygon) screen.push_back(to_screen(p, view, volume));
     const std::uint64_t before = report.triangles;
     for (std::size_t i = 2; i < screen.size(); ++i) {
       const Triangle triangle{{screen[0], screen[i - 1], screen[i]}, face.texture};

@@ -32,13 +32,23 @@ void look_at(Viewpoint& view, const Vec3& position, const Vec3& target, const Ve
   view.down = cross(view.forward, view.right);
 }
 
+Vec3 line_of_sight(const Vec3& point, const Viewpoint& view) {
+  if (!view.parallel) return point - view.position;
+  return view.forward - view.right * view.parallel->shear_x - view.down * view.parallel->shear_y;
+}
+
 Vec3 in_view(const Vec3& point, const Viewpoint& view) {
   const Vec3 d = point - view.position;
   return {dot(view.right, d), dot(view.down, d), dot(view.forward, d)};
 }
 
 ClipVertex to_normalised(const Corner& corner, const Viewpoint& view) {
-  const Vec3 p = in_view(corner.position, view);
+  Vec3 p = in_view(corner.position, view);
+  if (view.parallel) {
+    const double behind = p.z - view.parallel->distance;
+    p.x += view.parallel->shear_x * behind;
+    p.y += view.parallel->shear_y * behind;
+  }
   ClipVertex out{{p.x * (2 * view.focal / view.width), p.y * (2 * view.focal / view.height), p.z},
                  static_cast<const Attributes&>(corner)};
   if (const Vec3 n = normal_of(corner); n != Vec3{}) {

@@ -431,6 +431,37 @@ TEST_F(Cli, StatisticsTellWhatARegisterNeeded) {
   refused("render s.tri --emit-tri e.tri --statistics", "--statistics");
 }
 
+TEST_F(Cli, AMeshIsSeenByParallelLines) {
+  const std::string z = run("config show --toml depth16").out;
+  folder.write("z.toml", std::string(z).replace(z.find("[depth]"), 7, "[depth]\nline = \"z\""));
+  folder.write("cube.obj",
+               "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
+               "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 1 5 8 4\n");
+  for (const std::string name : {"orthographic", "isometric", "oblique --receding 1,30"}) {
+    const Result r = run(
+        "verify cube.obj --config z.toml --size 64x48 --engines golden,model,systemc,ideal --projection " +
+        name);
+    EXPECT_EQ(r.code, 0) << r.out << r.err;
+  }
+  ASSERT_EQ(run("render cube.obj --config z.toml --size 64x48 --projection oblique -o a.png").code, 0);
+  ASSERT_EQ(run("render cube.obj --config z.toml --size 64x48 --projection orthographic -o b.png").code, 0);
+  ASSERT_EQ(run("render cube.obj --config z.toml --size 64x48 --projection central -o c.png").code, 0);
+  ASSERT_EQ(run("render cube.obj --config z.toml --size 64x48 -o d.png").code, 0);
+  EXPECT_NE(folder.read("a.png"), folder.read("b.png"));
+  EXPECT_NE(folder.read("b.png"), folder.read("c.png"));
+  EXPECT_EQ(folder.read("c.png"), folder.read("d.png"));
+  const std::string parallel = "render cube.obj --config z.toml -o e.png --projection ";
+  refused("render cube.obj -o e.png --projection oblique", "depth.line = \"z\"");
+  refused(parallel + "steep", "steep is not legal; expected central, orthographic, isometric, oblique");
+  refused(parallel + "isometric --yaw 10", "--yaw: --projection isometric has its own direction");
+  refused(parallel + "orthographic --receding 1,2", "--receding: is for lines away");
+  refused(parallel + "oblique --receding 9,2", "receding lines are 9");
+  refused(parallel + "oblique --receding 1", "--receding");
+  refused(parallel + "oblique --fog 1,2,3,4", "--fog: needs distances from a viewer");
+  refused(parallel + "oblique --stereo pair", "--stereo: two eyes see distances");
+  refused("render demo --config z.toml -o e.png --projection oblique", "--projection is for meshes");
+}
+
 TEST_F(Cli, AnEmittedStreamDrawsTheSamePicture) {
   ASSERT_EQ(run("render demo --size 96x72 -o a.png --emit-tri d.tri").code, 0);
   const Result r = run("render d.tri -o b.png");

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 
 #include "config/config.hpp"
 #include "scene/project.hpp"
@@ -212,6 +213,73 @@ TEST(Project, CullsBackFacesOnly) {
   EXPECT_EQ(all.culled, 0U);
   EXPECT_EQ(all.dropped, 1U) << "edge on: no area on the screen";
   EXPECT_EQ(all.drawn, 3U);
+}
+
+// The faces of the convex hull of integer points, as far as they are triangles.
+using Point = std::array<std::int64_t, 3>;
+Point minus(const Point& a, const Point& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+// Six times the volume over the triangle a, b, c; positive where p is on the side that they run clockwise on.
+std::int64_t volume_over(const Point& a, const Point& b, const Point& c, const Point& p) {
+  const Point u = minus(b, a), v = minus(c, a), w = minus(p, a);
+  return w[0] * (u[1] * v[2] - u[2] * v[1]) + w[1] * (u[2] * v[0] - u[0] * v[2]) +
+         w[2] * (u[0] * v[1] - u[1] * v[0]);
+}
+std::vector<std::array<Point, 3>> hull(const std::vector<Point>& points) {
+  std::vector<std::array<Point, 3>> out;
+  for (const Point& a : points) {
+    for (const Point& b : points) {
+      for (const Point& c : points) {
+        // Each face once: a is its first point. The others lie below, so that it is seen counter-clockwise.
+        if (a == b || b == c || a == c || b < a || c < a) continue;
+        const bool is_face = std::ranges::all_of(points, [&](const Point& p) {
+          return p == a || p == b || p == c || volume_over(a, b, c, p) < 0;
+        });
+        if (is_face) out.push_back({a, b, c});
+      }
+    }
+  }
+  return out;
+}
+
+// B5: of a convex body a face is seen from A where the line to a point B inside meets its plane between both.
+TEST(Project, CullsTheFacesThatAnInnerPointHides) {
+  Random random(17);
+  int seen_faces = 0, hidden = 0;
+  for (int body = 0; body < 1000; ++body) {
+    std::vector<Point> points;
+    for (int i = 0; i < 8; ++i) {
+      points.push_back({random.integer(-20, 20), random.integer(-20, 20), random.integer(-20, 20)});
+    }
+    const Point a{random.integer(-60, 60), random.integer(-60, 60), random.integer(24, 60)};
+    Point b{};  // eight times the middle
+    for (const Point& p : points) {
+      for (std::size_t i = 0; i < 3; ++i) b[i] += p[i];
+    }
+    for (const std::array<Point, 3>& face : hull(points)) {
+      // On which sides the two are, in exact volumes; that of the inner one eight times as large.
+      const std::int64_t outer = volume_over(face[0], face[1], face[2], a);
+      std::array<Point, 3> scaled = face;
+      for (Point& p : scaled) p = {8 * p[0], 8 * p[1], 8 * p[2]};
+      const std::int64_t inner = volume_over(scaled[0], scaled[1], scaled[2], b);
+      ASSERT_LT(inner, 0) << "inside";
+      const bool meets_between = outer > 0;  // a plane through A itself, or beside both, is not between
+      Viewpoint from;
+      from.s_min = 1e-3;
+      const auto at = [](const Point& p) {
+        return Vec3{static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
+      };
+      look_at(from, at(a), {0, 0, 0}, {0, 1, 0});
+      Face drawn;
+      for (std::size_t i = 0; i < 3; ++i) drawn.corner[i].position = at(face[i]);
+      ProjectReport report;
+      std::vector<Triangle> triangles;
+      project({&drawn, 1}, from, {}, triangles, report);
+      ASSERT_EQ(report.culled, meets_between ? 0U : 1U) << "body " << body;
+      ++(meets_between ? seen_faces : hidden);
+    }
+  }
+  EXPECT_GT(seen_faces, 3000);
+  EXPECT_GT(hidden, 3000);
 }
 
 TEST(Project, CountsAndBounds) {
