@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// bitspan demo: the main job on embedded input, with a report to look at.
+// bitspan demo: the main job on embedded input, two scenes, with a report to look at.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -13,6 +13,7 @@
 #include "cli/commands.hpp"
 #include "cli/scene_options.hpp"
 #include "cli/verdict.hpp"
+#include "config/check.hpp"
 #include "config/store.hpp"
 #include "engine/registry.hpp"
 #include "io/atomic_file.hpp"
@@ -69,18 +70,25 @@ Picture field_picture(std::string file, std::string caption, const Frame& frame,
   return {std::move(file), std::move(caption), encode_png(map.width, map.height, 3, map.rgb)};
 }
 
-// The pictures of the report: what was drawn, and where it errs.
+Picture color_error_picture(std::string file, const Frame& drawn, const Frame& ideal) {
+  std::vector<double> errors(drawn.depth.size(), 0);
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double d = std::fabs(static_cast<double>(drawn.color[4 * i + c]) -
+                                 static_cast<double>(ideal.color[4 * i + c]));
+      errors[i] = std::max(errors[i], d);
+    }
+  }
+  return field_picture(std::move(file), "Error of colour against ideal, largest channel, in codes", drawn,
+                       errors, "colour error, codes", false);
+}
+
+// The pictures of the scene demo: what was drawn, and where it errs.
 std::vector<Picture> pictures_of(const Frame& drawn, const Frame& ideal) {
   const std::size_t n = drawn.depth.size();
   const PictureErrors errors = picture_errors(drawn, ideal);
   std::vector<double> depth(n, std::numeric_limits<double>::quiet_NaN());
-  std::vector<double> color_error(n, 0);
   for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      const double d = std::fabs(static_cast<double>(drawn.color[4 * i + c]) -
-                                 static_cast<double>(ideal.color[4 * i + c]));
-      color_error[i] = std::max(color_error[i], d);
-    }
     if (drawn.triangle[i] >= 0) depth[i] = drawn.depth[i];
   }
   std::vector<Picture> out;
@@ -93,31 +101,44 @@ std::vector<Picture> pictures_of(const Frame& drawn, const Frame& ideal) {
   out.push_back(field_picture("error_uv.png",
                               "Error of the texture coordinates against ideal, in texels, logarithmic", drawn,
                               errors.texture, "u, v error, texels", true));
-  out.push_back(field_picture("error_color.png", "Error of colour against ideal, largest channel, in codes",
-                              drawn, color_error, "colour error, codes", false));
+  out.push_back(color_error_picture("error_color.png", drawn, ideal));
   return out;
 }
 
-std::string markdown(const SceneVerdict& v, const std::vector<Picture>& pictures) {
-  std::string out = fmt::format("# bitspan demo: {}\n\n", v.outcome());
-  out += fmt::format("Scene {}, configuration {} ({}), bitspan {}.\n\n", v.scene, v.config.name,
-                     config_hash(v.config), BITSPAN_VERSION);
-  for (const std::string& failure : v.failures) {
-    out += "- FAILED: " + failure + "\n";
-  }
-  out += "\n## Engines, record by record\n\n" + markdown_table(comparison_table(v));
-  out += "\n## Error against ideal\n\n" + markdown_table(error_table(v.errors)) + "\n";
-  for (const std::string& line : verdict_lines(v)) {
-    out += "- " + line + "\n";
-  }
-  out += "\n## Pictures\n";
-  for (const Picture& picture : pictures) {
-    out += fmt::format("\n{}:\n\n![{}]({})\n", picture.caption, picture.caption, picture.file);
+// A scene of the report.
+struct ShownScene {
+  SceneVerdict verdict;
+  std::vector<Picture> pictures;
+};
+
+// That of the first scene that did not hold, or of the first.
+const SceneVerdict& decisive(const std::vector<ShownScene>& scenes) {
+  const auto failed = std::ranges::find_if(scenes, [](const ShownScene& s) { return !s.verdict.held(); });
+  return (failed == scenes.end() ? scenes.front() : *failed).verdict;
+}
+
+std::string markdown(const std::vector<ShownScene>& scenes) {
+  std::string out = fmt::format("# bitspan demo: {}\n", decisive(scenes).outcome());
+  for (const auto& [v, pictures] : scenes) {
+    out += fmt::format("\n## Scene {}\n\nConfiguration {} ({}), bitspan {}.\n\n", v.scene, v.config.name,
+                       config_hash(v.config), BITSPAN_VERSION);
+    for (const std::string& failure : v.failures) {
+      out += "- FAILED: " + failure + "\n";
+    }
+    out += "\n### Engines, record by record\n\n" + markdown_table(comparison_table(v));
+    if (v.has_errors) out += "\n### Error against ideal\n\n" + markdown_table(error_table(v.errors));
+    out += "\n";
+    for (const std::string& line : verdict_lines(v)) {
+      out += "- " + line + "\n";
+    }
+    for (const Picture& picture : pictures) {
+      out += fmt::format("\n{}:\n\n![{}]({})\n", picture.caption, picture.caption, picture.file);
+    }
   }
   return out;
 }
 
-std::string html(const SceneVerdict& v, const std::vector<Picture>& pictures) {
+std::string html(const std::vector<ShownScene>& scenes) {
   std::string out =
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>bitspan "
       "demo</title>\n<style>\n"
@@ -127,24 +148,63 @@ std::string html(const SceneVerdict& v, const std::vector<Picture>& pictures) {
       "text-align:left}.n{text-align:right;font-variant-numeric:tabular-nums}\n"
       ".held{color:#116329}.failed{color:#a40e26}figure{display:inline-block;margin:0 1em 1em 0;"
       "vertical-align:top}img{max-width:640px;width:100%}figcaption{color:#57606a}\n</style></head><body>\n";
-  out += fmt::format("<h1>bitspan demo: <span class=\"{}\">{}</span></h1>\n", v.held() ? "held" : "failed",
-                     v.outcome());
-  out += fmt::format("<p>Scene {}, configuration {} ({}), bitspan {}.</p>\n", xml_escape(v.scene),
-                     xml_escape(v.config.name), config_hash(v.config), BITSPAN_VERSION);
-  for (const std::string& failure : v.failures) {
-    out += "<p class=\"failed\">" + xml_escape(failure) + "</p>\n";
+  const SceneVerdict& first = decisive(scenes);
+  out += fmt::format("<h1>bitspan demo: <span class=\"{}\">{}</span></h1>\n",
+                     first.held() ? "held" : "failed", first.outcome());
+  for (const auto& [v, pictures] : scenes) {
+    out += fmt::format("<h2>Scene {}</h2>\n<p>Configuration {} ({}), bitspan {}.</p>\n", xml_escape(v.scene),
+                       xml_escape(v.config.name), config_hash(v.config), BITSPAN_VERSION);
+    for (const std::string& failure : v.failures) {
+      out += "<p class=\"failed\">" + xml_escape(failure) + "</p>\n";
+    }
+    for (const Picture& picture : pictures) {
+      out += fmt::format(
+          "<figure><img alt=\"{0}\" "
+          "src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
+          xml_escape(picture.caption), base64(picture.png));
+    }
+    out += "<h3>Engines, record by record</h3>\n" + html_table(comparison_table(v));
+    if (v.has_errors) out += "<h3>Error against ideal</h3>\n" + html_table(error_table(v.errors));
+    out += "<ul>\n";
+    for (const std::string& line : verdict_lines(v)) {
+      out += "<li>" + xml_escape(line) + "</li>\n";
+    }
+    out += "</ul>\n";
   }
-  for (const Picture& picture : pictures) {
-    out += fmt::format(
-        "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
-        xml_escape(picture.caption), base64(picture.png));
-  }
-  out += "<h2>Engines, record by record</h2>\n" + html_table(comparison_table(v));
-  out += "<h2>Error against ideal</h2>\n" + html_table(error_table(v.errors)) + "<ul>\n";
-  for (const std::string& line : verdict_lines(v)) {
-    out += "<li>" + xml_escape(line) + "</li>\n";
-  }
-  return out + "</ul>\n</body></html>\n";
+  return out + "</body></html>\n";
+}
+
+// The same configuration with a light per pixel, shadows and relief, where it can have them.
+Config with_lamp(const Config& config) {
+  Config out = config;
+  out.name += "-lamp";
+  out.project = ProjectUnit::reciprocal;
+  out.light = LightAt::pixel;
+  out.light_source = LightSource::point;
+  out.light_normal = LightNormal::map;
+  out.light_shadow = LightShadow::map;
+  return first_violation(out) ? config : out;
+}
+
+// The scene room, whose configuration is written beside its pictures. A quarter of the demo's pixels, as each
+// costs more.
+ShownScene room(const DemoArguments& o, const VerifyOptions& options) {
+  const Config config = with_lamp(find_config(o.config));
+  SceneOptions view = o.view;
+  if (view.size.empty()) view.size = "320x240";
+  SceneSource source(load_scene("room", seen_with(config, view)));
+  const std::filesystem::path folder(o.output);
+  const std::string file = (folder / "room.toml").string();
+  write_file(file, to_toml(config));
+  const RunLabel label{
+      source.scene().name,
+      fmt::format("{}bitspan verify room --config {}{}{}", command_environment(), shell_word(file),
+                  o.engines_named ? " --engines " + o.engines : "", flags_text(view))};
+  SceneRun run = verify_scene(config, source, options, label);
+  const Frame& drawn = run.engines[0]->frame();
+  return {std::move(run.verdict),
+          {color_picture("room.png", "A lamp, its shadows, a wall in relief and a pane of glass", drawn),
+           color_error_picture("error_room.png", drawn, run.ideal->frame())}};
 }
 
 int demo(const DemoArguments& o) {
@@ -163,24 +223,37 @@ int demo(const DemoArguments& o) {
       source.scene().name,
       fmt::format("{}bitspan verify demo --config {}{}{}", command_environment(), shell_word(o.config),
                   o.engines_named ? " --engines " + o.engines : "", flags_text(o.view))};
-  const SceneRun run = verify_scene(config, source, options, label);
-  fmt::print("{}", verdict_text(run.verdict));
-  const std::vector<Picture> pictures = pictures_of(run.engines[0]->frame(), run.ideal->frame());
-  const std::filesystem::path folder(o.output);
-  for (const Picture& picture : pictures) {
-    write_file((folder / picture.file).string(), picture.png);
+  std::vector<ShownScene> scenes;
+  {
+    SceneRun run = verify_scene(config, source, options, label);
+    const Frame& drawn = run.engines[0]->frame();
+    std::vector<Picture> pictures = pictures_of(drawn, run.ideal->frame());
+    scenes.push_back({std::move(run.verdict), std::move(pictures)});
   }
-  write_file((folder / "report.md").string(), markdown(run.verdict, pictures));
-  write_file((folder / "report.html").string(), html(run.verdict, pictures));
+  fmt::print("{}", verdict_text(scenes.back().verdict));
+  try {
+    scenes.push_back(room(o, options));
+    fmt::print("\n{}", verdict_text(scenes.back().verdict));
+  } catch (const InputError& error) {
+    fmt::print("\nroom left out: {}\n", error.what());
+  }
+  const std::filesystem::path folder(o.output);
+  for (const ShownScene& scene : scenes) {
+    for (const Picture& picture : scene.pictures) {
+      write_file((folder / picture.file).string(), picture.png);
+    }
+  }
+  write_file((folder / "report.md").string(), markdown(scenes));
+  write_file((folder / "report.html").string(), html(scenes));
   fmt::print("report: {}\n", (folder / "report.html").string());
-  return run.verdict.held() ? exit_held : exit_difference;
+  return decisive(scenes).held() ? exit_held : exit_difference;
 }
 
 }  // namespace
 
 void add_demo(CLI::App& app, Action& action) {
   CLI::App* sub =
-      app.add_subcommand("demo", "render the embedded scene, check that all engines agree, write a report");
+      app.add_subcommand("demo", "render two embedded scenes, check that all engines agree, write a report");
   const auto o = std::make_shared<DemoArguments>();
   sub->add_option("-o,--output", o->output, "folder of the report")->capture_default_str();
   sub->add_option("--config", o->config, "shipped name or TOML file")->capture_default_str();

@@ -13,9 +13,26 @@ import subprocess
 import sys
 import tempfile
 
+import matplotlib
+import numpy
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SPOT = str(ROOT / "tests/data/spot.obj")
 SIZE = "480x360"
+PARALLAX = 9
+
+
+def parallax_map(codes: numpy.ndarray, file: pathlib.Path) -> None:
+    """Draws how far each pixel moves, from depth codes of 16 bits that are linear in 1 / s."""
+    figure, axes = plt.subplots(figsize=(4.8, 3.6), dpi=100, layout="constrained")
+    shown = axes.imshow(numpy.where(codes == 0, numpy.nan, codes * (PARALLAX / 65535)))
+    axes.set_axis_off()
+    figure.colorbar(shown, label="parallax, pixels", shrink=0.8)
+    figure.savefig(file)
+    plt.close(figure)
 
 
 def main() -> int:
@@ -51,8 +68,12 @@ def main() -> int:
         mapped = pathlib.Path(scratch) / "mapped.toml"
         mapped.write_text(base.read_text().replace("wrap = ", 'second = "own"\nwrap = ', 1))
         draw("light-map", mapped, "--light-map=0.9,1.1,-1.2,0.9")
-        draw("stereo-anaglyph", base, "--stereo", "anaglyph", "--parallax", "9")
-        draw("stereo-depth", base, "--stereo", "pair", "--stereo-by", "depth", "--parallax", "9")
+        draw("stereo-anaglyph", base, "--stereo", "anaglyph", "--parallax", str(PARALLAX))
+        draw("stereo-depth", base, "--stereo", "pair", "--stereo-by", "depth", "--parallax", str(PARALLAX))
+        dump = pathlib.Path(scratch) / "dump"
+        subprocess.run([bitspan, "render", SPOT, "--config", str(base), "--size", SIZE, "--distance", "2.6", "--dump", str(dump)],
+                       check=True, stdout=subprocess.DEVNULL)
+        parallax_map(numpy.load(dump / "depth.npy"), out / "stereo-parallax.png")
     return 0
 
 
