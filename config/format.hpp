@@ -211,7 +211,18 @@ struct Format {
   X(fog_acc, "fog.acc", "1", "channel fog: its accumulator along an edge, and along a row",                  \
     FormatId::span_shade_acc)                                                                                \
   X(fog_color, "fog.color", "colour code", "colour after fog")                                               \
-  X(merge_color, "merge.color", "colour code", "colour as stored in the frame buffer")
+  X(merge_color, "merge.color", "colour code", "colour as stored in the frame buffer")                       \
+  X(curve_d0, "curve.d0", "coordinate", "forward differences: the point",                                    \
+    Format{44, 13, true, Rounding::rnd, Overflow::sat, false})                                               \
+  X(curve_d1, "curve.d1", "coordinate", "forward differences: the first one", FormatId::curve_d0)            \
+  X(curve_d2, "curve.d2", "coordinate", "forward differences: the second one", FormatId::curve_d0)           \
+  X(curve_d3, "curve.d3", "coordinate", "forward differences: the third one", FormatId::curve_d0)            \
+  X(rotate_t, "rotate.t", "1", "rotation: tangent of half the angle",                                        \
+    Format{18, 1, true, Rounding::rnd, Overflow::sat, false})                                                \
+  X(rotate_s, "rotate.s", "1", "rotation: sine of the angle",                                                \
+    Format{18, 1, true, Rounding::rnd, Overflow::sat, false})                                                \
+  X(rotate_xy, "rotate.xy", "coordinate", "rotation: x, y and what is added to them",                        \
+    Format{32, 16, true, Rounding::rnd_conv, Overflow::sat, false})
 
 enum class FormatId : std::uint8_t {
 #define BITSPAN_FORMAT_ENUM(id, key, unit, text, ...) id,
