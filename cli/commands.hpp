@@ -41,6 +41,7 @@ void add_replay(CLI::App& app, Action& action);
 void add_vectors(CLI::App& app, Action& action);
 void add_check(CLI::App& app, Action& action);
 void add_study(CLI::App& app, Action& action);
+void add_make(CLI::App& app, Action& action);
 void add_dut(CLI::App& app, Action& action);
 void add_config(CLI::App& app, Action& action);
 void add_completion(CLI::App& app, Action& action);

@@ -140,6 +140,7 @@ int emit(const ConfigArguments& options) {
                          .pixels = both || options.part == "pixels",
                          .project = options.part == "project",
                          .light = options.part == "light",
+                         .curve = options.part == "curve",
                          .when = options.when,
                          .prefix = options.prefix};
   const Config config = find_config(options.config);
@@ -180,8 +181,8 @@ void add_config(CLI::App& app, Action& action) {
   sv->add_option(
         "--part", options->part,
         "span interpolator, pixel stages or both (default: interpolator; with --rtl both); or a module of "
-        "its own: project (of project.unit) or light (of light.at = pixel)")
-      ->check(CLI::IsMember({"interpolator", "pixels", "both", "project", "light"}));
+        "its own: project (of project.unit), light (of light.at = pixel) or curve (forward_difference)")
+      ->check(CLI::IsMember({"interpolator", "pixels", "both", "project", "light", "curve"}));
   sv->add_option_function<std::string>(
         "--depth-when",
         [options](const std::string& when) {

@@ -55,6 +55,7 @@ int run(int argc, char** argv) {
   add_vectors(app, action);
   add_check(app, action);
   add_study(app, action);
+  add_make(app, action);
   add_dut(app, action);
   add_config(app, action);
   add_completion(app, action);

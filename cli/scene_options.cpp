@@ -84,6 +84,7 @@ void refuse_camera(const std::string& name, const SceneOptions& o) {
   refuse(!o.light.empty(), "--light");
   refuse(o.unlit, "--unlit");
   refuse(o.no_cull, "--no-cull");
+  refuse(o.patch_depth.has_value(), "--patch-depth");
   refuse(o.strict, "--strict");
 }
 
@@ -374,8 +375,8 @@ LoadedScene load_mesh(const std::string& name, const SceneOptions& o, int number
   options.slide = slide_of(o, {0, 1, 0});
   ProjectReport faces;
   std::vector<std::string> bad_textures;
-  Mesh mesh =
-      read_mesh(name, options.texture, o.strict ? nullptr : &bad_textures, options.texture1, options.relief);
+  Mesh mesh = read_mesh(name, options.texture, o.strict ? nullptr : &bad_textures, options.texture1,
+                        options.relief, o.patch_depth.value_or(patch_k_default));
   for (const std::string& what : bad_textures) {
     say("bitspan: warning: " + what + "; its faces are white (--strict refuses this)\n");
   }
@@ -415,6 +416,12 @@ void add_scene_options(CLI::App& command, SceneOptions& o) {
   command.add_option("--near", o.near, "mesh: s_min (default: just before the model)")->group(group);
   command.add_option("--far", o.far, "mesh: s_max (default: just behind the model)")->group(group);
   command.add_option("--texture", o.texture, "mesh: an image for every face")->group(group);
+  command
+      .add_option("--patch-depth", o.patch_depth,
+                  fmt::format("patches (.bez): 2^N steps each way, N {}..{} (default {})", patch_k_least,
+                              patch_k_limit, patch_k_default))
+      ->check(CLI::Range(patch_k_least, patch_k_limit))
+      ->group(group);
   command
       .add_option("--texture1", o.texture1,
                   "mesh: an image for the second texture unit, at the second coordinates of a glTF. Needs "

@@ -56,11 +56,12 @@ struct SceneOptions {
   std::string slide, slide_from;       // an image; "x,y,z,X,Y,Z,degrees"
   bool clip_sides = true;              // a mesh at the picture's borders
   bool no_cull = false;
-  bool strict = false;        // a texture that a mesh names must be there
-  bool allow_empty = false;   // a scene that draws nothing is no failure
-  int supersample = 1;        // samples per pixel, each way
-  std::optional<int> frame;   // which image dynamic textures of a stream show at first
-  std::optional<int> target;  // of a stream, that is shown
+  bool strict = false;             // a texture that a mesh names must be there
+  bool allow_empty = false;        // a scene that draws nothing is no failure
+  int supersample = 1;             // samples per pixel, each way
+  std::optional<int> patch_depth;  // of patches
+  std::optional<int> frame;        // which image dynamic textures of a stream show at first
+  std::optional<int> target;       // of a stream, that is shown
 };
 
 // The options of a scene that is drawn with that configuration. Throws InputError where it lacks what an

@@ -17,6 +17,7 @@
 #include "config/byte_order_mark.hpp"
 #include "config/config.hpp"
 #include "scene/assimp.hpp"
+#include "scene/bez.hpp"
 #include "scene/gltf.hpp"
 #include "scene/mesh_file.hpp"
 #include "scene/obj.hpp"
@@ -60,8 +61,8 @@ FileStart start_of(const std::string& path) {
   return start;
 }
 
-// The contents say what a file is; an OBJ has none that do.
-MeshFile read_mesh_file(const std::string& path, bool second_coordinates) {
+// The contents say what a file is; an OBJ and patches have none that do.
+MeshFile read_mesh_file(const std::string& path, bool second_coordinates, int patch_depth) {
   const FileStart start = start_of(path);
   if (start.begins_with("glTF")) return read_gltf(path, second_coordinates);
   const std::size_t first = start.bytes.find_first_not_of(" \t\r\n");
@@ -70,6 +71,7 @@ MeshFile read_mesh_file(const std::string& path, bool second_coordinates) {
   }
   if (start.begins_with("ply")) return read_ply(path);
   if (start.extension == ".obj") return read_obj(path);
+  if (start.extension == ".bez") return patch_mesh(read_bez(path), patch_depth);
   return read_by_assimp(path);
 }
 
@@ -219,8 +221,8 @@ void give_texture1(const MeshFile& file, const std::string& path, const std::str
 
 Mesh read_mesh(const std::string& path, const std::optional<std::string>& texture,
                std::vector<std::string>* bad_textures, const std::optional<std::string>& texture1,
-               const std::optional<std::string>& relief) {
-  MeshFile file = read_mesh_file(path, texture1.has_value());
+               const std::optional<std::string>& relief, int patch_depth) {
+  MeshFile file = read_mesh_file(path, texture1.has_value(), patch_depth);
   Mesh mesh;
   mesh.name = std::filesystem::path(path).stem().string();
   mesh.notes = std::move(file.notes);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes: OBJ, PLY, glTF and, through a program of its own, what Assimp reads; with a camera.
+// Meshes: OBJ, PLY, glTF, patches and, through a program of its own, what Assimp reads; with a camera.
 #pragma once
 
 #include <array>
@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/generate/patch.hpp"
 #include "scene/geometry.hpp"
 #include "scene/light.hpp"
 #include "scene/light_map.hpp"
@@ -76,7 +77,8 @@ struct MeshOptions {
   std::optional<SlideOptions> slide;
 };
 
-// Reads a mesh, known by its contents, an OBJ by its name. Nodes are flattened, polygons are triangulated,
+// Reads a mesh, known by its contents, an OBJ and patches (.bez) by their names. Patches become triangles,
+// 2^patch_depth steps each way. Nodes are flattened, polygons are triangulated,
 // points and lines are left out. The colour is the vertex colour times the material's; a material that the
 // file does not define counts as white. An alpha mode is carried out in the texels and the corners. Texture
 // files are relative to the mesh; embedded images work too. u, v become texels of the face's texture, with v
@@ -88,7 +90,7 @@ struct MeshOptions {
 Mesh read_mesh(const std::string& path, const std::optional<std::string>& texture = std::nullopt,
                std::vector<std::string>* bad_textures = nullptr,
                const std::optional<std::string>& texture1 = std::nullopt,
-               const std::optional<std::string>& relief = std::nullopt);
+               const std::optional<std::string>& relief = std::nullopt, int patch_depth = patch_k_default);
 
 // Returns the view of the camera. Throws InputError where the camera is impossible.
 Viewpoint make_view(const Mesh& mesh, const Camera& camera, int width, int height);

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/emit_curve_sv.hpp"
 #include "engine/emit_light_sv.hpp"
 #include "engine/emit_pixel_sv.hpp"
 #include "engine/emit_project_sv.hpp"
@@ -26,6 +27,7 @@ std::vector<std::string> package_texts(const Config& config, const RtlChoice& ch
   if (choice.pixels) texts.push_back(emit_pixel_sv(config, choice.when));
   if (choice.project) texts.push_back(emit_project_sv(config));
   if (choice.light) texts.push_back(emit_light_sv(config));
+  if (choice.curve) texts.push_back(emit_curve_sv(config));
   return texts;
 }
 
@@ -41,6 +43,7 @@ std::vector<fs::path> sources_of(const RtlChoice& choice) {
   if (choice.pixels) add(pixel_sources());
   if (choice.project) add(project_sources());
   if (choice.light) add(light_sources());
+  if (choice.curve) add(curve_sources());
   return sources;
 }
 

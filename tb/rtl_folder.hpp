@@ -15,6 +15,7 @@ struct RtlChoice {
   bool pixels = false;                // rtl/pixel_pipe.f and what it needs
   bool project = false;               // rtl/project.f and what it needs
   bool light = false;                 // rtl/light.f and what it needs
+  bool curve = false;                 // rtl/forward_difference.f and what it needs
   DepthWhen when = DepthWhen::early;  // the order of tests that the pixel stages are built for
   std::string prefix;                 // in front of every module and package; empty: names as they are
 };

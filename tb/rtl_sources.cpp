@@ -29,6 +29,7 @@ std::vector<fs::path> rtl_sources() { return listed_sources("span_interpolator.f
 std::vector<fs::path> pixel_sources() { return listed_sources("pixel_pipe.f"); }
 std::vector<fs::path> project_sources() { return listed_sources("project.f"); }
 std::vector<fs::path> light_sources() { return listed_sources("light.f"); }
+std::vector<fs::path> curve_sources() { return listed_sources("forward_difference.f"); }
 
 std::string rtl_sources_hash() {
   Fnv128 hash;

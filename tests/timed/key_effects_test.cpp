@@ -417,12 +417,13 @@ TEST(KeyEffects, Rtl) {
   EXPECT_GT(seen, is_gate_run() ? 10 : 60);
 }
 
-// No scene here has a projector or a light: tests/stages/project_test.cpp, light_test.cpp and
-// golden_project_test.cpp move these registers.
+// No scene here has a projector, a light or a curve: tests/stages/project_test.cpp, light_test.cpp,
+// forward_difference_test.cpp, rotate_test.cpp and golden_project_test.cpp move these registers.
 bool needs_more(const Key& key) {
   return key.path == "project.unit" || key.path.starts_with("formats.project.") ||
          key.path.starts_with("light.") || key.path.starts_with("formats.light.") ||
-         key.path.starts_with("formats.normal.") || key.path.starts_with("formats.relief.");
+         key.path.starts_with("formats.normal.") || key.path.starts_with("formats.relief.") ||
+         key.path.starts_with("formats.curve.") || key.path.starts_with("formats.rotate.");
 }
 
 class KeyEffectsOnValues : public testing::TestWithParam<std::size_t> {};
