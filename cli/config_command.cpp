@@ -141,6 +141,7 @@ int emit(const ConfigArguments& options) {
                          .project = options.part == "project",
                          .light = options.part == "light",
                          .curve = options.part == "curve",
+                         .rotate = options.part == "rotate",
                          .when = options.when,
                          .prefix = options.prefix};
   const Config config = find_config(options.config);
@@ -181,8 +182,9 @@ void add_config(CLI::App& app, Action& action) {
   sv->add_option(
         "--part", options->part,
         "span interpolator, pixel stages or both (default: interpolator; with --rtl both); or a module of "
-        "its own: project (of project.unit), light (of light.at = pixel) or curve (forward_difference)")
-      ->check(CLI::IsMember({"interpolator", "pixels", "both", "project", "light", "curve"}));
+        "its own: project (of project.unit), light (of light.at = pixel) curve (forward_difference) or "
+        "rotate")
+      ->check(CLI::IsMember({"interpolator", "pixels", "both", "project", "light", "curve", "rotate"}));
   sv->add_option_function<std::string>(
         "--depth-when",
         [options](const std::string& when) {

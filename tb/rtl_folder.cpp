@@ -11,6 +11,7 @@
 #include "engine/emit_light_sv.hpp"
 #include "engine/emit_pixel_sv.hpp"
 #include "engine/emit_project_sv.hpp"
+#include "engine/emit_rotate_sv.hpp"
 #include "engine/emit_sv.hpp"
 #include "engine/sv_names.hpp"
 #include "tb/programs.hpp"
@@ -28,6 +29,7 @@ std::vector<std::string> package_texts(const Config& config, const RtlChoice& ch
   if (choice.project) texts.push_back(emit_project_sv(config));
   if (choice.light) texts.push_back(emit_light_sv(config));
   if (choice.curve) texts.push_back(emit_curve_sv(config));
+  if (choice.rotate) texts.push_back(emit_rotate_sv(config));
   return texts;
 }
 
@@ -44,6 +46,7 @@ std::vector<fs::path> sources_of(const RtlChoice& choice) {
   if (choice.project) add(project_sources());
   if (choice.light) add(light_sources());
   if (choice.curve) add(curve_sources());
+  if (choice.rotate) add(rotate_sources());
   return sources;
 }
 

@@ -16,12 +16,13 @@ struct RtlChoice {
   bool project = false;               // rtl/project.f and what it needs
   bool light = false;                 // rtl/light.f and what it needs
   bool curve = false;                 // rtl/forward_difference.f and what it needs
+  bool rotate = false;                // rtl/rotate.f and what it needs
   DepthWhen when = DepthWhen::early;  // the order of tests that the pixel stages are built for
   std::string prefix;                 // in front of every module and package; empty: names as they are
 };
 
-// The packages' text. Throws InputError as emit_sv, emit_pixel_sv, emit_project_sv, emit_light_sv and
-// check_prefix.
+// The packages' text. Throws InputError as emit_sv, emit_pixel_sv, emit_project_sv, emit_light_sv,
+// emit_rotate_sv and check_prefix.
 std::string rtl_packages(const Config& config, const RtlChoice& choice);
 
 // Makes the folder with the packages, the sources and PREFIXbitspan.f, which lists them in the order of

@@ -30,6 +30,7 @@ std::vector<fs::path> pixel_sources() { return listed_sources("pixel_pipe.f"); }
 std::vector<fs::path> project_sources() { return listed_sources("project.f"); }
 std::vector<fs::path> light_sources() { return listed_sources("light.f"); }
 std::vector<fs::path> curve_sources() { return listed_sources("forward_difference.f"); }
+std::vector<fs::path> rotate_sources() { return listed_sources("rotate.f"); }
 
 std::string rtl_sources_hash() {
   Fnv128 hash;

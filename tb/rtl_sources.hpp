@@ -18,6 +18,8 @@ std::vector<std::filesystem::path> project_sources();
 std::vector<std::filesystem::path> light_sources();
 // rtl/forward_difference.f: those of forward_difference.
 std::vector<std::filesystem::path> curve_sources();
+// rtl/rotate.f: those of rotate.
+std::vector<std::filesystem::path> rotate_sources();
 // 32 hexadecimal digits over the names and texts of rtl_sources() and pixel_sources(): which RTL is under
 // test. Throws InputError where a source cannot be read.
 std::string rtl_sources_hash();

@@ -51,7 +51,7 @@ class BrokenPipe {
 TEST_F(Outputs, ARefusalThatNobodyHearsKeepsItsCode) {
   const BrokenPipe pipe;
   for (const char* command : {"demo", "verify", "render", "explain", "sim", "fuzz", "replay", "vectors",
-                              "check", "study", "dut", "config", "completion", "no-such-command"}) {
+                              "check", "study", "make", "dut", "config", "completion", "no-such-command"}) {
     for (const char* lost : {"2>/dev/full", "2>&-", "2>&9", ">/dev/full 2>/dev/full", ">&- 2>&-"}) {
       EXPECT_EQ(code(std::string(command) + " --no-such-flag", lost), 2) << command << " " << lost;
     }

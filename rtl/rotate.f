@@ -1,0 +1,12 @@
+quantize_far.sv
+quantize.sv
+delay_line.sv
+ring_line.sv
+skid.sv
+mul_pipe.sv
+shift_add.sv
+multiply_round.sv
+shift_stage.sv
+rotate_lift.sv
+rotate_quarter.sv
+rotate.sv
