@@ -27,16 +27,16 @@ Rotation::Rotation(const RotateFormats& formats, int turn) : formats_(formats), 
 
 PlaneVector Rotation::operator()(PlaneVector vector, int angle) const {
   const Quantizer<Quad> q(formats_.xy);
-  const auto [quarter, rest] = angle_parts(angle, turn_);
-  const auto size = static_cast<std::size_t>(rest < 0 ? -rest : rest);
-  const Quad sign = rest < 0 ? -1 : 1;
+  const AngleParts parts = angle_parts(angle, turn_);
+  const auto size = static_cast<std::size_t>(parts.rest < 0 ? -parts.rest : parts.rest);
+  const Quad sign = parts.rest < 0 ? -1 : 1;
   const Quad t = sign * Quad(tangents_[size]) * pow2<Quad>(-formats_.t.fraction());
   const Quad s = sign * Quad(sines_[size]) * pow2<Quad>(-formats_.s.fraction());
   Quad x = q.value(vector.x);
   Quad y = q.value(vector.y);
   const auto turn_quarters = [&] {
     const Quad old = x;
-    switch (quarter) {
+    switch (parts.quarter) {
       case 1:
         x = q(-y);
         y = old;

@@ -85,14 +85,15 @@ TEST(LaterRegister, OnlyRegistersWithADefaultMayBeLeftOut) {
   for (const Key& key : entries()) {
     if (!key.path.starts_with("formats.")) continue;
     const bool ours = key.name() == "like.span_h" || key.name() == "own.format";
-    // The registers of levels of textures, of a projector, of light, of reliefs and of the channels fog and
-    // shade_* have defaults, too.
+    // The registers of levels of textures, of a projector, of light, of reliefs, of curves, of rotations and
+    // of the channels fog and shade_* have defaults, too.
     const std::string_view path = key.path;
     const bool has_default = ours || path.starts_with("formats.lod.") ||
                              path.starts_with("formats.distance.") || path.starts_with("formats.project.") ||
                              path.starts_with("formats.shade.") || path.starts_with("formats.light.") ||
                              path.starts_with("formats.normal.") || path.starts_with("formats.relief.") ||
                              path.starts_with("formats.fog.vertex") || path.starts_with("formats.fog.grad") ||
+                             path.starts_with("formats.curve.") || path.starts_with("formats.rotate.") ||
                              path.starts_with("formats.fog.step") || path.starts_with("formats.fog.acc");
     EXPECT_EQ(key.presence(), has_default ? Presence::later : Presence::always) << key.path;
     later += ours ? 1 : 0;

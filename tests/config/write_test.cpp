@@ -118,7 +118,7 @@ TEST(Write, TheHashSeesEveryKey) {
     f.word += 1;
     EXPECT_TRUE(hashes.insert(config_hash(d)).second) << i;
     f = c.formats[static_cast<std::size_t>(i)];
-    f.rounding = Rounding::rnd_conv;
+    f.rounding = f.rounding == Rounding::rnd_conv ? Rounding::rnd_min_inf : Rounding::rnd_conv;
     EXPECT_TRUE(hashes.insert(config_hash(d)).second) << i;
     f = c.formats[static_cast<std::size_t>(i)];
     f.overflow = Overflow::wrap;
