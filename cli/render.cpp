@@ -18,6 +18,7 @@
 #include "cli/progress.hpp"
 #include "cli/resolved.hpp"
 #include "cli/scene_options.hpp"
+#include "cli/turntable.hpp"
 #include "config/store.hpp"
 #include "engine/range.hpp"
 #include "engine/registry.hpp"
@@ -50,6 +51,7 @@ struct RenderArguments {
   std::string stereo;  // a layout; empty: one picture
   std::optional<std::string> stereo_by, stereo_zero;
   std::optional<double> parallax;
+  std::optional<int> turntable;  // pictures of a turn
   ModelFlags model;
   SceneOptions view;
 };
@@ -305,6 +307,21 @@ int render(const RenderArguments& o) {
   return exit_held;
 }
 
+int render_turntable(const RenderArguments& o) {
+  if (o.output.empty() || !o.dump.empty() || !o.emit_tri.empty()) {
+    throw InputError(
+        "--turntable: makes pictures alone; expected -o PICTURE.png without --dump and --emit-tri");
+  }
+  for (int number = 0; number < *o.turntable; ++number) {
+    RenderArguments one = o;
+    one.turntable.reset();
+    one.view.turn = Turn{number, *o.turntable};
+    one.output = numbered_output(o.output, *one.view.turn);
+    if (const int code = render(one); code != exit_held) return code;
+  }
+  return exit_held;
+}
+
 }  // namespace
 
 void add_render(CLI::App& app, Action& action) {
@@ -340,6 +357,9 @@ void add_render(CLI::App& app, Action& action) {
   sub->add_option("--stereo-zero", o->stereo_zero,
                   "what lies in the screen: far, s_max; near, s_min (default: far)")
       ->group(stereo);
+  sub->add_option("--turntable", o->turntable,
+                  "mesh: N pictures of a full turn about the vertical, by the unit rotate: PICTURE-0.png ...")
+      ->check(CLI::Range(1, turn_pictures_limit));
   add_model_options(*sub, o->model, "0");
   add_scene_options(*sub, o->view);
   add_supersample(*sub, o->view);
@@ -348,8 +368,9 @@ void add_render(CLI::App& app, Action& action) {
                           "bitspan render demo -o demo.png --config narrow --dump demo.dump --position\n"
                           "  bitspan render floor -o floor.png --supersample 4\n"
                           "  bitspan render sea.tri -o sea.png --frame 1\n"
-                          "  bitspan render spot.obj -o spot.png --stereo anaglyph --parallax 12"));
-  sub->callback([o, &action] { action = [o] { return render(*o); }; });
+                          "  bitspan render spot.obj -o spot.png --stereo anaglyph --parallax 12\n"
+                          "  bitspan render teapot.bez -o pot.png --turntable 36"));
+  sub->callback([o, &action] { action = [o] { return o->turntable ? render_turntable(*o) : render(*o); }; });
 }
 
 }  // namespace bitspan

@@ -85,6 +85,7 @@ void refuse_camera(const std::string& name, const SceneOptions& o) {
   refuse(o.unlit, "--unlit");
   refuse(o.no_cull, "--no-cull");
   refuse(o.patch_depth.has_value(), "--patch-depth");
+  refuse(o.turn.has_value(), "--turntable");
   refuse(o.strict, "--strict");
 }
 
@@ -383,6 +384,7 @@ LoadedScene load_mesh(const std::string& name, const SceneOptions& o, int number
   for (const std::string& note : mesh.notes) {
     say("bitspan: warning: " + name + ": " + note + "\n");
   }
+  if (o.turn) turn_mesh(mesh, options.camera, *o.turn, rotate_formats(o.config.value()));
   Scene scene = mesh_scene(std::move(mesh), options, faces);
   check_scene(scene, name);
   return {std::move(scene), faces};

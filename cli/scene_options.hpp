@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/turntable.hpp"
 #include "config/config.hpp"
 #include "scene/picture_size.hpp"
 #include "scene/pieces.hpp"
@@ -60,6 +61,7 @@ struct SceneOptions {
   bool allow_empty = false;        // a scene that draws nothing is no failure
   int supersample = 1;             // samples per pixel, each way
   std::optional<int> patch_depth;  // of patches
+  std::optional<Turn> turn;        // of a mesh on a turntable; needs `config`
   std::optional<int> frame;        // which image dynamic textures of a stream show at first
   std::optional<int> target;       // of a stream, that is shown
 };

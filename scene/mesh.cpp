@@ -275,9 +275,6 @@ Mesh read_mesh(const std::string& path, const std::optional<std::string>& textur
   return mesh;
 }
 
-namespace {
-
-// Of the box that holds all corners.
 Vec3 middle_of(const Mesh& mesh) {
   Vec3 low{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
            std::numeric_limits<double>::infinity()};
@@ -291,6 +288,8 @@ Vec3 middle_of(const Mesh& mesh) {
   }
   return (low + high) * 0.5;
 }
+
+namespace {
 
 // Leaves the light that the view has, where the configuration forms brightness of it; else the corners have
 // it. Only where the view has a light there are normals.

@@ -92,6 +92,9 @@ Mesh read_mesh(const std::string& path, const std::optional<std::string>& textur
                const std::optional<std::string>& texture1 = std::nullopt,
                const std::optional<std::string>& relief = std::nullopt, int patch_depth = patch_k_default);
 
+// Of the box that holds all corners.
+Vec3 middle_of(const Mesh& mesh);
+
 // Returns the view of the camera. Throws InputError where the camera is impossible.
 Viewpoint make_view(const Mesh& mesh, const Camera& camera, int width, int height);
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// bitspan make curve, make patches, and patches as a scene.
+// bitspan make curve, make patches, patches as a scene, and a mesh on a turntable.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <string>
 
 #include "tests/cli/program.hpp"
@@ -62,6 +63,21 @@ TEST_F(MakeCurve, PatchesAreAScene) {
   refused("render demo --patch-depth 3 -o a.png", "--patch-depth is for meshes");
   folder.write("bad.bez", "1\n1,2,3\n");
   refused("verify bad.bez", "bad.bez:3: the file ends; expected a number of a vertex");
+}
+
+// Whole numbers stay exact, and so does the picture that is not turned; half a turn later the other face is
+// seen.
+TEST_F(MakeCurve, ATurntableTurnsAMesh) {
+  folder.write("t.obj", "v -2 0 0\nv 2 0 0\nv 1 3 0\nv 1 3 1\nf 1 2 3\nf 1 4 2\n");
+  EXPECT_EQ(run("render t.obj --no-cull --size 40x30 -o t.png").code, 0);
+  EXPECT_EQ(run("render t.obj --no-cull --size 40x30 --turntable 12 -o turn.png").code, 0);
+  EXPECT_EQ(folder.read("turn-00.png"), folder.read("t.png"));
+  EXPECT_NE(folder.read("turn-06.png"), folder.read("t.png"));
+  EXPECT_TRUE(std::filesystem::exists(folder.path("turn-11.png")));
+  EXPECT_FALSE(std::filesystem::exists(folder.path("turn.png")));
+  refused("render demo --turntable 4 -o a.png", "--turntable is for meshes");
+  refused("render t.obj --turntable 0 -o a.png", "--turntable");
+  refused("render t.obj --turntable 4 --dump d", "--turntable: makes pictures alone");
 }
 
 }  // namespace
