@@ -8,58 +8,30 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <boost/geometry/geometries/box.hpp>
 #include <boost/geometry/geometries/point.hpp>
 #include <boost/geometry/geometries/segment.hpp>
 #include <boost/geometry/index/rtree.hpp>
 #include <boost/geometry/strategies/strategies.hpp>
-#include <boost/multiprecision/cpp_int.hpp>
 #include <cmath>
 #include <cstdint>
-#include <limits>
-#include <memory>
 #include <optional>
 #include <utility>
 
 #include "config/modes.hpp"
+#include "golden/exact.hpp"
 #include "golden/oracle.hpp"
 
 namespace bitspan {
 
 namespace {
 
-namespace mp = boost::multiprecision;
-
-// Of any size; up to 512 bits without an allocation.
-using Integer = mp::number<
-    mp::cpp_int_backend<512, 0, mp::signed_magnitude, mp::unchecked, std::allocator<mp::limb_type>>,
-    mp::et_off>;
-
-// A number that is off by no more than `error`. Such numbers decide almost all rays. Where the error leaves a
-// sign open, integers decide.
-struct Approx {
-  double value = 0, error = 0;
-};
-// The rounding of `value` loses at most half of what is added here. The other half, and the factor, cover the
-// roundings of the error itself.
-Approx rounded(double value, double error) {
-  return {value, error * (1 + 0x1p-48) + 0x1p-52 * std::abs(value) + std::numeric_limits<double>::min()};
-}
-Approx operator+(Approx a, Approx b) { return rounded(a.value + b.value, a.error + b.error); }
-Approx operator-(Approx a, Approx b) { return rounded(a.value - b.value, a.error + b.error); }
-Approx operator*(Approx a, Approx b) {
-  return rounded(a.value * b.value,
-                 std::abs(a.value) * b.error + std::abs(b.value) * a.error + a.error * b.error);
-}
-Approx abs(Approx a) { return {std::abs(a.value), a.error}; }
-
-// -1, 0 or 1; none where the error leaves it open.
-std::optional<int> sign_of(const Integer& a) { return a.sign(); }
-std::optional<int> sign_of(Approx a) {
-  if (!(std::abs(a.value) > a.error)) return std::nullopt;
-  return a.value > 0 ? 1 : -1;
-}
+using golden::abs;
+using golden::Approx;
+using golden::DistanceGrid;
+using golden::Integer;
+using golden::rounded;
+using golden::sign_of;
 
 template <class N>
 struct Vector {
@@ -142,38 +114,6 @@ template <class N>
 std::optional<int> compared(const Meeting<N>& a, const Meeting<N>& b) {
   return sign_of(abs(a.height) * abs(b.whole) - abs(b.height) * abs(a.whole));
 }
-
-// The whole numbers m with s = m 2^grid, for distances that lie on that grid.
-class DistanceGrid {
- public:
-  explicit DistanceGrid(std::span<const OracleFace> faces) {
-    for (const OracleFace& face : faces) {
-      for (const IdealTriangle::Corner& corner : face.shape.v) {
-        const auto [mantissa, exponent] = parts_of(corner.s);
-        lowest_ = std::min(lowest_, exponent + std::countr_zero(mantissa));
-        highest_ = std::max(highest_, exponent + 64);
-      }
-    }
-  }
-  Integer whole(long double s) const {
-    const auto [mantissa, exponent] = parts_of(s);
-    Integer out = mantissa >> std::max(lowest_ - exponent, 0);
-    out <<= std::max(exponent - lowest_, 0);
-    return out;
-  }
-  // s in a unit in which the largest lies in 1/2..1.
-  double scaled(long double s) const { return static_cast<double>(std::ldexp(s, -highest_)); }
-
- private:
-  // s = mantissa 2^exponent.
-  static std::pair<std::uint64_t, int> parts_of(long double s) {
-    int exponent = 0;
-    const long double mantissa = std::ldexp(std::frexp(s, &exponent), 64);
-    return {static_cast<std::uint64_t>(mantissa), exponent - 64};
-  }
-  int lowest_ = std::numeric_limits<int>::max();
-  int highest_ = std::numeric_limits<int>::min();
-};
 
 // The triangles that a ray may meet, by a tree of boxes around them.
 class RayScene {
