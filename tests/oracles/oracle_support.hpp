@@ -2,13 +2,20 @@
 // Scenes for oracles, and the comparison of an oracle with the model over one.
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
 #include <string>
 #include <vector>
 
 #include "engine/registry.hpp"
 #include "report/visibility.hpp"
+#include "scene/mesh.hpp"
 #include "scene/random.hpp"
 #include "study/bounds/bounds.hpp"
+#include "tests/support/files.hpp"
+#include "tests/support/test_config.hpp"
 
 namespace bitspan::test {
 
@@ -44,7 +51,7 @@ inline Scene two_that_cut() {
 }
 
 // Opaque triangles without a texture that reach across the picture at all distances.
-inline Scene random_opaque_scene(std::uint64_t seed) {
+inline RandomOptions opaque_options() {
   RandomOptions options;
   options.width = 96;
   options.height = 72;
@@ -54,7 +61,15 @@ inline Scene random_opaque_scene(std::uint64_t seed) {
   options.textures = 0;
   options.fog_probability = 0;
   options.translucent_probability = 0;
-  return random_scene(seed, options);
+  return options;
+}
+inline Scene random_opaque_scene(std::uint64_t seed) { return random_scene(seed, opaque_options()); }
+
+// Three bars: each lies over the next one at one end, and below the last one at the other.
+inline Scene three_in_a_cycle() {
+  return scene_of({triangle_of({4, 6, 10}, {60, 10, 30}, {4, 14, 10}),
+                   triangle_of({60, 6, 10}, {34, 46, 30}, {50, 6, 10}),
+                   triangle_of({40, 46, 10}, {6, 4, 30}, {28, 46, 10})});
 }
 
 inline Frame drawn_by(const std::string& engine, const Config& config, const Scene& scene) {
@@ -72,5 +87,81 @@ inline VisibilityReport compared(const Oracle& oracle, const Config& config, con
 }
 
 inline const Oracle& oracle_named(const std::string& name) { return *parse_oracles(name).front(); }
+
+inline std::vector<Visible> picture_of(const std::string& oracle, const Config& config, const Scene& scene) {
+  std::vector<OracleFace> faces;
+  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+    if (const auto shape = ideal_triangle(config, scene.triangles[i])) {
+      faces.push_back({static_cast<std::int32_t>(i), *shape});
+    }
+  }
+  return oracle_named(oracle).visible({config, scene, faces});
+}
+
+inline std::int32_t triangle_at(const std::vector<Visible>& picture, const Scene& scene, int x, int y) {
+  return picture[static_cast<std::size_t>(y * scene.width + x)].triangle;
+}
+
+// What two oracles see must be the same triangle, exactly as far.
+struct Agreement {
+  std::uint64_t seen = 0, background = 0, differences = 0;
+};
+inline void compare_pictures(const std::vector<Visible>& a, const std::vector<Visible>& b, Agreement& to) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const bool equal = a[i].triangle == b[i].triangle && (a[i].triangle < 0 || a[i].q == b[i].q);
+    to.differences += equal ? 0 : 1;
+    (a[i].triangle < 0 ? to.background : to.seen) += 1;
+  }
+}
+// Of an oracle with a brute force by half planes.
+inline Agreement agreement(const std::string& oracle, const Config& config, const Scene& scene) {
+  Agreement out;
+  compare_pictures(picture_of(oracle, config, scene), picture_of("half_planes", config, scene), out);
+  return out;
+}
+
+inline Scene spot(int width, int height) {
+  MeshOptions options;
+  options.width = width;
+  options.height = height;
+  ProjectReport report;
+  const std::string folder = source_path("tests/data/");
+  return mesh_scene(read_mesh(folder + "spot.obj", folder + "spot.png"), options, report);
+}
+
+// The scene with a bias of depth on one triangle, which the comparison is not told of.
+inline Scene biased(Scene scene, std::size_t triangle, std::int64_t codes) {
+  const std::size_t depth_bias = *find_state_register("depth.bias");
+  scene.commands.push_back({triangle, StateChange{false, {{depth_bias, codes}}}});
+  scene.commands.push_back({triangle + 1, StateChange{false, {{depth_bias, 0}}}});
+  return scene;
+}
+
+// An oracle over random streams in the shipped configurations: a line with the counts, and a failure per
+// stream with an unexplained pixel.
+inline void hold_random_streams(const std::string& oracle, std::uint64_t streams, std::uint64_t first_seed,
+                                const RandomOptions& options = opaque_options()) {
+  const std::vector<Config> configs = shipped_configs();
+  std::uint64_t equal = 0;
+  std::uint64_t ties = 0;
+  std::uint64_t unexplained = 0;
+  for (std::uint64_t seed = first_seed; seed < first_seed + streams; ++seed) {
+    const Config& config = configs[seed % configs.size()];
+    const Scene scene = random_scene(seed, options);
+    const VisibilityReport report =
+        compared(oracle_named(oracle), config, scene, drawn_by("model", config, scene));
+    EXPECT_EQ(report.unexplained, 0U)
+        << oracle << ", " << config.name << ", seed " << seed << ": " << report.first;
+    equal += report.equal;
+    ties += report.ties;
+    unexplained += report.unexplained;
+  }
+  printf("%s, %llu random streams, seeds from %llu: %llu pixels equal, %llu ties, %llu unexplained\n",
+         oracle.c_str(), static_cast<unsigned long long>(streams),
+         static_cast<unsigned long long>(first_seed), static_cast<unsigned long long>(equal),
+         static_cast<unsigned long long>(ties), static_cast<unsigned long long>(unexplained));
+  EXPECT_GT(equal, 500 * streams);
+}
 
 }  // namespace bitspan::test

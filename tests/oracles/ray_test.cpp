@@ -14,24 +14,15 @@
 namespace bitspan {
 namespace {
 
+using test::Agreement;
 using test::At;
+using test::compare_pictures;
 using test::drawn_by;
+using test::picture_of;
 using test::scene_of;
+using test::spot;
+using test::triangle_at;
 using test::triangle_of;
-
-std::vector<Visible> picture_of(const std::string& oracle, const Config& config, const Scene& scene) {
-  std::vector<OracleFace> faces;
-  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
-    if (const auto shape = ideal_triangle(config, scene.triangles[i])) {
-      faces.push_back({static_cast<std::int32_t>(i), *shape});
-    }
-  }
-  return test::oracle_named(oracle).visible({config, scene, faces});
-}
-
-std::int32_t triangle_at(const std::vector<Visible>& picture, const Scene& scene, int x, int y) {
-  return picture[static_cast<std::size_t>(y * scene.width + x)].triangle;
-}
 
 golden::InverseDistance fraction(int numerator, int denominator) {
   golden::InverseDistance q;
@@ -41,22 +32,8 @@ golden::InverseDistance fraction(int numerator, int denominator) {
   return q;
 }
 
-// What two oracles see must be the same triangle, exactly as far.
-struct Agreement {
-  std::uint64_t seen = 0, background = 0, differences = 0;
-};
-void compare_pictures(const std::vector<Visible>& a, const std::vector<Visible>& b, Agreement& to) {
-  ASSERT_EQ(a.size(), b.size());
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const bool equal = a[i].triangle == b[i].triangle && (a[i].triangle < 0 || a[i].q == b[i].q);
-    to.differences += equal ? 0 : 1;
-    (a[i].triangle < 0 ? to.background : to.seen) += 1;
-  }
-}
 Agreement agreement(const Config& config, const Scene& scene) {
-  Agreement out;
-  compare_pictures(picture_of("ray", config, scene), picture_of("half_planes", config, scene), out);
-  return out;
+  return test::agreement("ray", config, scene);
 }
 
 TEST(Ray, MeetsAPlaneWhereItIs) {
@@ -274,36 +251,7 @@ TEST(Ray, AgreesWithTheEngines) {
 }
 
 // BITSPAN_LONG asks for 10^4 of them.
-TEST(Ray, RandomStreamsHold) {
-  const std::uint64_t streams = is_long_run() ? 10000 : 60;
-  const std::vector<Config> configs = shipped_configs();
-  std::uint64_t equal = 0;
-  std::uint64_t ties = 0;
-  std::uint64_t unexplained = 0;
-  for (std::uint64_t seed = 1; seed <= streams; ++seed) {
-    const Config& config = configs[seed % configs.size()];
-    const Scene scene = test::random_opaque_scene(1000 + seed);
-    const VisibilityReport report =
-        test::compared(test::oracle_named("ray"), config, scene, drawn_by("model", config, scene));
-    EXPECT_EQ(report.unexplained, 0U) << config.name << ", seed " << 1000 + seed << ": " << report.first;
-    equal += report.equal;
-    ties += report.ties;
-    unexplained += report.unexplained;
-  }
-  printf("%llu random streams, seeds from 1001: %llu pixels equal, %llu ties, %llu unexplained\n",
-         static_cast<unsigned long long>(streams), static_cast<unsigned long long>(equal),
-         static_cast<unsigned long long>(ties), static_cast<unsigned long long>(unexplained));
-  EXPECT_GT(equal, 1500 * streams);
-}
-
-Scene spot(int width, int height) {
-  MeshOptions options;
-  options.width = width;
-  options.height = height;
-  ProjectReport report;
-  const std::string folder = source_path("tests/data/");
-  return mesh_scene(read_mesh(folder + "spot.obj", folder + "spot.png"), options, report);
-}
+TEST(Ray, RandomStreamsHold) { test::hold_random_streams("ray", is_long_run() ? 10000 : 60, 1001); }
 
 TEST(Ray, SeesSpot) {
   const Scene scene = spot(320, 240);
@@ -373,12 +321,8 @@ TEST(Ray, ABiasOfFourCodesOnOneOfSpotsTrianglesIsFound) {
     if (triangle >= 0) ++pixels[static_cast<std::size_t>(triangle)];
   }
   const auto largest = static_cast<std::size_t>(std::ranges::max_element(pixels) - pixels.begin());
-  Scene biased = scene;
-  const std::size_t depth_bias = *find_state_register("depth.bias");
-  biased.commands.push_back({largest, StateChange{false, {{depth_bias, 4}}}});
-  biased.commands.push_back({largest + 1, StateChange{false, {{depth_bias, 0}}}});
-  const VisibilityReport report =
-      test::compared(test::oracle_named("ray"), config, scene, drawn_by("model", config, biased));
+  const VisibilityReport report = test::compared(test::oracle_named("ray"), config, scene,
+                                                 drawn_by("model", config, test::biased(scene, largest, 4)));
   EXPECT_GT(report.unexplained, 10U);
   EXPECT_NE(report.first.find("of triangle " + std::to_string(largest)), std::string::npos) << report.first;
 }
