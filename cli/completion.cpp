@@ -33,7 +33,10 @@ std::string values_of(const CLI::Option& option) {
     for (const ShippedConfig& shipped : config_texts()) words += fmt::format("{} ", shipped.name);
     return words.append(files);
   }
-  if (name == "engine" || name == "engines") return fmt::format("{}", fmt::join(engine_names(), " "));
+  if (name == "engine") {
+    return fmt::format("{} oracle:{}", fmt::join(engine_names(), " "), oracle_names(" oracle:"));
+  }
+  if (name == "engines") return fmt::format("{}", fmt::join(engine_names(), " "));
   if (name == "oracles") return "all " + oracle_names(" ");
   if (name == "suite") {
     std::string words;

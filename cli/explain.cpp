@@ -224,6 +224,7 @@ struct OracleWords {
   std::vector<std::string> lines;  // one per oracle
   bool held = true;
   bool left_out = false;
+  bool some_draws = false;
 };
 // Adds what each oracle sees at the pixel to the rows of the picture.
 OracleWords ask_oracles(const ExplainArguments& o, std::span<const Oracle* const> oracles,
@@ -255,6 +256,7 @@ OracleWords ask_oracles(const ExplainArguments& o, std::span<const Oracle* const
       out.left_out = true;
       continue;
     }
+    out.some_draws = true;
     if (by_layers) {
       golden::ABuffer lists = golden::make_abuffer(config, *layered);
       tell(*oracle, "", layer_findings(config, *layered, lists, frame, engine).at(at));
@@ -389,7 +391,8 @@ int explain(const ExplainArguments& o) {
   for (const std::string& text : words.lines) fmt::print("{}\n", text);
   const bool missing = o.engines_named && !o.allow_missing && !left_out.empty();
   for (const std::string& text : left_out) fmt::print("{}: {}\n", missing ? "FAILED" : "note", text);
-  const bool oracles_held = words.held && (o.allow_missing || !words.left_out);
+  const bool may_leave_out = o.allow_missing || (o.oracles == "all" && words.some_draws);
+  const bool oracles_held = words.held && (may_leave_out || !words.left_out);
   fmt::print("{}\n", !equal                ? "the engines DIFFER on this pixel (marked *)"
                      : stories.size() == 1 ? "one engine: nothing was compared"
                                            : "all engines agree on this pixel");

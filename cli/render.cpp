@@ -22,6 +22,7 @@
 #include "config/store.hpp"
 #include "engine/range.hpp"
 #include "engine/registry.hpp"
+#include "golden/oracle.hpp"
 #include "io/atomic_file.hpp"
 #include "io/png.hpp"
 #include "model/engine_model.hpp"
@@ -32,7 +33,9 @@
 #include "report/lockstep.hpp"
 #include "report/stereo.hpp"
 #include "report/table.hpp"
+#include "report/visibility.hpp"
 #include "scene/tri_stream.hpp"
+#include "study/oracles.hpp"
 
 namespace bitspan {
 namespace {
@@ -195,7 +198,46 @@ int render_stereo(const RenderArguments& o, const Stereo& stereo, const Config& 
   return exit_held;
 }
 
+constexpr std::string_view oracle_prefix = "oracle:";
+
+// What an oracle sees. It has no registers, so there is no colour but a flat one per triangle.
+int render_oracle(const RenderArguments& o) {
+  const std::string name = o.engine.substr(oracle_prefix.size());
+  const auto known = std::ranges::find(oracles(), name, &Oracle::name);
+  if (known == oracles().end()) {
+    throw InputError(fmt::format("--engine: '{}' is no oracle; legal: {}", name, oracle_names(", ")));
+  }
+  if (o.output.empty() || !o.dump.empty() || o.position || !o.emit_tri.empty() || o.plain_textures ||
+      o.statistics || stereo_of(o) || o.view.supersample > 1) {
+    throw InputError(
+        "--engine: an oracle makes a picture alone; expected -o PICTURE.png without --dump, --emit-tri, "
+        "--statistics, --stereo and --supersample");
+  }
+  refuse_without_model(o.model, false);
+  const Config config = find_config(o.config);
+  check_writable(o.output);
+  const LoadedScene loaded = load_scene(o.scene, seen_with(config, o.view));
+  const Scene& scene = loaded.scene;
+  check_scene_range(config, scene);
+  std::string why = visibility_refusal(config, scene);
+  if (why.empty()) why = own_refusal(*known, config, scene);
+  if (!why.empty()) throw InputError(fmt::format("--engine: oracle {} does not draw this: {}", name, why));
+  const Visibility visibility(config, scene, std::vector<double>(scene.triangles.size()));
+  const std::vector<Visible> picture = visibility.picture(*known);
+  write_png(o.output, scene.width, scene.height, 4, flat_picture(scene, picture));
+  const auto seen = std::ranges::count_if(picture, [](const Visible& at) { return at.triangle >= 0; });
+  fmt::print("{}: {}x{}, {} triangles, {} pixels covered, {} ({}), {}\n", scene.name, scene.width,
+             scene.height, scene.triangles.size(), seen, config.name, config_hash(config), o.engine);
+  if (visibility.vanishing() != 0) {
+    fmt::print("note: {} triangles are not drawn, since their fragments may be killed\n",
+               visibility.vanishing());
+  }
+  fmt::print("{}", faces_line(loaded));
+  return exit_held;
+}
+
 int render(const RenderArguments& o) {
+  if (o.engine.starts_with(oracle_prefix)) return render_oracle(o);
   const std::optional<Stereo> stereo = stereo_of(o);
   if (o.output.empty() && o.dump.empty() && o.emit_tri.empty()) {
     throw InputError("render: nothing to write; give -o PICTURE.png, --dump DIR or --emit-tri FILE.tri");
@@ -330,7 +372,10 @@ void add_render(CLI::App& app, Action& action) {
   sub->add_option("scene", o->scene, "stream (.tri, .trib), mesh, demo or extreme/NAME")->required();
   sub->add_option("-o,--output", o->output, "the picture, a PNG");
   sub->add_option("--config", o->config, "shipped name or TOML file")->capture_default_str();
-  sub->add_option("--engine", o->engine, "golden, model, systemc, rtl, ideal or dut:NAME")
+  sub->add_option(
+         "--engine", o->engine,
+         "golden, model, systemc, rtl, ideal or dut:NAME; or oracle:NAME, what an oracle of verify "
+         "--oracles sees, each triangle in the mean colour of its vertices times the texel in its middle")
       ->capture_default_str();
   sub->add_flag("--statistics", o->statistics,
                 "range, bits used, saturations, wraps and bias of each register");
@@ -368,6 +413,7 @@ void add_render(CLI::App& app, Action& action) {
                           "bitspan render demo -o demo.png --config narrow --dump demo.dump --position\n"
                           "  bitspan render floor -o floor.png --supersample 4\n"
                           "  bitspan render sea.tri -o sea.png --frame 1\n"
+                          "  bitspan render spot.obj -o spot.png --engine oracle:painter\n"
                           "  bitspan render spot.obj -o spot.png --stereo anaglyph --parallax 12\n"
                           "  bitspan render teapot.bez -o pot.png --turntable 36"));
   sub->callback([o, &action] { action = [o] { return o->turntable ? render_turntable(*o) : render(*o); }; });

@@ -125,7 +125,9 @@ void judge_emptiness(SceneVerdict& v, const VerifyOptions& options) {
     fail_unless(options.allow_missing || !options.engines_named, "--allow-missing", text);
   }
   for (const std::string& text : v.oracles_left_out) {
-    fail_unless(options.allow_missing, "--allow-missing", text);
+    // Of all oracles those that fit the scene are asked for, which is one at least.
+    fail_unless(options.allow_missing || (!options.oracles_named && v.has_true_oracle()), "--allow-missing",
+                text);
   }
   if (v.run.pairs.empty() && !v.has_true_oracle()) {
     fail_unless(options.allow_missing, "--allow-missing", "nothing was compared");
@@ -181,6 +183,7 @@ void compare_oracles(const VerifyOptions& options, const Scene& scene, const Eng
     }
     const std::vector<Visible> picture = visibility->picture(*oracle);
     v.oracles.push_back(visibility->compare(*oracle, picture, frame, engine.name()));
+    v.oracles.back().counts = visibility->counts(*oracle);
     if (v.oracles.back().compared() == 0 && v.counters.covered != 0) {
       v.oracles.pop_back();
       leave_out("at each pixel a triangle may be seen whose fragments may be killed");
@@ -635,6 +638,8 @@ std::string verdict_json(std::span<const SceneVerdict> verdicts, const std::stri
                                 {"differences", y.differences}});
     }
     for (const VisibilityReport& oracle : v.oracles) {
+      Json counts = Json::object();
+      for (const OracleCount& count : oracle.counts) counts[std::string(count.name)] = count.value;
       scene["oracles"].push_back({{"oracle", oracle.oracle},
                                   {"engine", oracle.engine},
                                   {"truth", oracle.is_truth},
@@ -644,7 +649,8 @@ std::string verdict_json(std::span<const SceneVerdict> verdicts, const std::stri
                                   {"unexplained", oracle.unexplained},
                                   {"left_out", oracle.left_out},
                                   {"background", oracle.background},
-                                  {"first", oracle.first}});
+                                  {"first", oracle.first},
+                                  {"counts", std::move(counts)}});
     }
     if (!v.oracles_left_out.empty()) scene["oracles_left_out"] = v.oracles_left_out;
     scenes.push_back(std::move(scene));

@@ -82,6 +82,7 @@ struct VerifyOptions {
   bool allow_empty = false;          // the scene may cover no pixel, and pixels may reach no merge
   bool cycles = true;
   std::vector<const Oracle*> oracles{};  // whose pictures the first engine's is compared with
+  bool oracles_named = true;             // one by one, and not all: leaving one out is a failure
   int supersample = 1;                   // the scene has that many samples per pixel, each way
   EngineOptions engine;
 };

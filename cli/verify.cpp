@@ -62,6 +62,7 @@ int verify(const VerifyArguments& o) {
   options.supersample = o.view.supersample;
   refuse_without_model(o.model, std::ranges::count(options.engines, "model") != 0);
   if (!o.oracles.empty()) options.oracles = parse_oracles(o.oracles);
+  options.oracles_named = o.oracles != "all";
   if (!o.oracle_maps.empty()) {
     if (options.oracles.empty()) throw InputError("--oracle-maps: goes with --oracles");
     make_writable_folder(o.oracle_maps);
@@ -147,9 +148,10 @@ void add_verify(CLI::App& app, Action& action) {
       ->capture_default_str();
   std::string known;
   for (const Oracle& oracle : oracles()) known += fmt::format("; {}: {}", oracle.name, oracle.meaning);
-  sub->add_option(
-      "--oracles", o->oracles,
-      "compare the first engine's picture with these, by the proved bounds: all, or names" + known);
+  sub->add_option("--oracles", o->oracles,
+                  "compare the first engine's picture with these, by the proved bounds: all that fit the "
+                  "scene, or names" +
+                      known);
   sub->add_option("--oracle-maps", o->oracle_maps,
                   "with --oracles: folder for a map per oracle: equal, tie, unexplained");
   sub->add_option("--junit", o->junit, "write JUnit XML");

@@ -35,6 +35,12 @@ struct Visible {
   golden::InverseDistance q;   // at the pixel's centre
 };
 
+// What an oracle counts besides, over a whole scene: "gaps".
+struct OracleCount {
+  std::string_view name;
+  double value = 0;
+};
+
 struct Oracle {
   std::string_view name;
   std::string_view meaning;  // a line of help
@@ -49,6 +55,8 @@ struct Oracle {
   // Returns height * width pixels, rows from the top. Of faces that are exactly as far, the one of the least
   // index is seen.
   std::vector<Visible> (*visible)(const OracleInput& input) = nullptr;
+  // Null: it counts nothing besides.
+  std::vector<OracleCount> (*counts)(const OracleInput& input) = nullptr;
 };
 
 // An object of this type at namespace scope makes an oracle known before main(). Throws std::logic_error

@@ -128,6 +128,9 @@ std::string visibility_text(const VisibilityReport& r) {
                   r.ties_as, r.unexplained, r.is_truth ? "unexplained" : "wrong, as this algorithm may be");
   if (r.edges != 0) out += fmt::format("; {} at a shadow's edge", r.edges);
   if (r.left_out != 0) out += fmt::format("; {} left out, {}", r.left_out, r.left_out_as);
+  for (const OracleCount& count : r.counts) {
+    out += fmt::format("{} {:.6g} {}", &count == r.counts.data() ? ";" : ",", count.value, count.name);
+  }
   return out;
 }
 
@@ -236,6 +239,36 @@ std::vector<bool> vanishing_triangles(const Config& config, const Scene& scene,
   return out;
 }
 
+std::vector<std::uint8_t> flat_picture(const Scene& scene, std::span<const Visible> picture) {
+  std::vector<std::array<std::uint8_t, 3>> colors;
+  for (const Triangle& t : scene.triangles) {
+    const auto mean = [&](auto value) { return (value(t.v[0]) + value(t.v[1]) + value(t.v[2])) / 3; };
+    golden::TexelCodes texel{255, 255, 255, 255};
+    if (t.texture >= 0) {
+      const Texture& texture = scene.textures[static_cast<std::size_t>(t.texture)];
+      const auto place = [](double at, int size) {
+        return static_cast<std::int64_t>(at - size * std::floor(at / size)) % size;
+      };
+      texel = golden::fetch_texel(texture, place(mean([](const Vertex& v) { return v.u; }), texture.width),
+                                  place(mean([](const Vertex& v) { return v.v; }), texture.height));
+    }
+    std::array<std::uint8_t, 3>& color = colors.emplace_back();
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double shade = std::clamp(mean([i](const Vertex& v) { return v.c[i]; }), 0.0, 1.0);
+      color[i] = static_cast<std::uint8_t>(std::lround(shade * texel[i]));
+    }
+  }
+  std::vector<std::uint8_t> out;
+  out.reserve(4 * picture.size());
+  for (const Visible& seen : picture) {
+    const auto& color =
+        seen.triangle < 0 ? scene.background : colors[static_cast<std::size_t>(seen.triangle)];
+    out.insert(out.end(), color.begin(), color.end());
+    out.push_back(255);
+  }
+  return out;
+}
+
 Visibility::Visibility(const Config& config, const Scene& scene, std::vector<double> bounds)
     : config_(config), scene_(&scene), bounds_(std::move(bounds)) {
   if (bounds_.size() != scene.triangles.size())
@@ -249,6 +282,11 @@ Visibility::Visibility(const Config& config, const Scene& scene, std::vector<dou
 
 std::vector<Visible> Visibility::picture(const Oracle& oracle) const {
   return oracle.visible({config_, *scene_, faces_});
+}
+
+std::vector<OracleCount> Visibility::counts(const Oracle& oracle) const {
+  if (oracle.counts == nullptr) return {};
+  return oracle.counts({config_, *scene_, faces_});
 }
 
 double Visibility::depth_of(const Visible& seen) const {

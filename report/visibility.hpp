@@ -45,6 +45,7 @@ struct VisibilityReport {
   std::string_view ties_as = "that the bounds predict";
   std::string_view left_out_as = "whose fragments may be killed";
   std::string first;  // the first unexplained pixel, in one line; empty without one
+  std::vector<OracleCount> counts;
   std::vector<PixelVerdict> pixels;
 
   std::uint64_t compared() const { return equal + ties + edges + unexplained; }
@@ -72,6 +73,10 @@ std::string visibility_refusal(const Config& config, const Scene& scene);
 std::vector<bool> vanishing_triangles(const Config& config, const Scene& scene,
                                       std::span<const Triangle> triangles);
 
+// The picture of what an oracle sees, in RGBA: each triangle in one colour, the mean of its vertices' times the
+// texel in its middle.
+std::vector<std::uint8_t> flat_picture(const Scene& scene, std::span<const Visible> picture);
+
 // A scene, as oracles and engines are compared over it.
 class Visibility {
  public:
@@ -79,6 +84,9 @@ class Visibility {
   // must outlive it. Expects a scene that is not refused, and a depth code that is h or its complement.
   Visibility(const Config& config, const Scene& scene, std::vector<double> bounds);
   std::vector<Visible> picture(const Oracle& oracle) const;
+  std::vector<OracleCount> counts(const Oracle& oracle) const;
+  // Of triangles that no oracle draws, since their fragments may be killed.
+  std::size_t vanishing() const { return vanishing_.size(); }
   // frame: of an engine that has drawn the whole scene, with its winners.
   VisibilityReport compare(const Oracle& oracle, std::span<const Visible> picture, const Frame& frame,
                            std::string_view engine) const;
