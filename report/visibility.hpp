@@ -73,8 +73,8 @@ std::string visibility_refusal(const Config& config, const Scene& scene);
 std::vector<bool> vanishing_triangles(const Config& config, const Scene& scene,
                                       std::span<const Triangle> triangles);
 
-// The picture of what an oracle sees, in RGBA: each triangle in one colour, the mean of its vertices' times the
-// texel in its middle.
+// The picture of what an oracle sees, in RGBA: each triangle in one colour, the mean of its vertices' times
+// the texel in its middle.
 std::vector<std::uint8_t> flat_picture(const Scene& scene, std::span<const Visible> picture);
 
 // A scene, as oracles and engines are compared over it.
