@@ -235,6 +235,7 @@ void examine_bounds(const Config& config, const std::string& hash, const std::ve
       if (of[i].bound > all[i].bound) all[i] = of[i];
     }
   }
+  if (const std::string why = unbounded_light(config); !why.empty()) out.lines.push_back("bounds: " + why);
   const auto checks = check_bounds(all, fields_of_point(hash, store));
   store.transaction([&] {
     store.run("DELETE FROM bounds WHERE hash = ?", {hash});

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "config/modes.hpp"
+#include "golden/ideal.hpp"
 #include "report/visibility.hpp"
 #include "study/bounds/error_analysis.hpp"
 #include "study/bounds/texts.hpp"
@@ -60,9 +61,12 @@ bool is_bounded(DepthCode code) {
   }
   unreachable();
 }
+std::string no_bound(std::string_view key, std::string_view value, std::string_view legal) {
+  return fmt::format("{}: no bound is known for {}; legal for bounds: {}", key, value, legal);
+}
 void check_modes(const Config& config) {
   const auto refuse = [](std::string_view key, std::string_view value, std::string_view legal) {
-    throw InputError(fmt::format("{}: no bound is known for {}; legal for bounds: {}", key, value, legal));
+    throw InputError(no_bound(key, value, legal));
   };
   if (!is_bounded(config.perspective)) {
     refuse("perspective.mode", to_string(config.perspective), "delta_f");
@@ -74,6 +78,36 @@ void check_modes(const Config& config) {
     refuse("slope.row", to_string(config.row_slope), "divide, reciprocal");
   }
   if (!is_bounded(config.depth_code)) refuse("depth.code", to_string(config.depth_code), "inverse, opengl");
+}
+
+// Calls f(point) at each centre in the picture that a triangle may cover. The edges of a dda may lie further
+// out.
+template <class F>
+void each_centre(const Config& config, const Scene& scene, const Triangle& triangle, double x_error, F f) {
+  const auto t = ideal_triangle(config, triangle);
+  if (!t) return;
+  const auto [least_x, most_x] = std::minmax({t->v[0].x, t->v[1].x, t->v[2].x});
+  const auto pixel = [&](std::int64_t at) { return at >> t->subpixel_bits; };
+  const auto outside =
+      has_x_step(config) ? static_cast<std::int64_t>(std::ceil(std::min<double>(x_error, scene.width))) : 0;
+  const std::int64_t first_y = std::max<std::int64_t>(0, pixel(t->v[0].y) - 1);
+  const std::int64_t end_y = std::min<std::int64_t>(scene.height, pixel(t->v[2].y) + 2);
+  for (std::int64_t y = first_y; y < end_y; ++y) {
+    std::int64_t first = std::max<std::int64_t>(0, pixel(least_x) - 1);
+    const std::int64_t end = std::min<std::int64_t>(scene.width, pixel(most_x) + 2);
+    while (first < end && !ideal_covers(config, *t, first, y)) ++first;
+    std::int64_t last = first;
+    while (last < end && ideal_covers(config, *t, last, y)) ++last;
+    if (has_x_step(config)) {
+      // A row that covers no centre exactly may do so by its own error.
+      if (first == last) first = std::max<std::int64_t>(0, pixel(least_x) - 1), last = end;
+      first = std::max<std::int64_t>(0, first - outside);
+      last = std::min<std::int64_t>(scene.width, last + outside);
+    }
+    for (std::int64_t x = first; x < last; ++x) {
+      f(ideal_point(config, scene, *t, static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5));
+    }
+  }
 }
 
 // The bounds are of one view, and of the line h.
@@ -126,7 +160,35 @@ void check_range(const InputRange& r) {
   }
 }
 
+// Adds the places of light per pixel, whose bounds are of one pixel each, as the largest of a triangle's.
+void add_light(const Config& config, const Scene& scene, std::size_t triangle, PlaceErrors& own) {
+  if (!scene.light) {
+    for (std::size_t p = 0; p < place_count; ++p) {
+      if (bounds::is_lit(p)) own.places[p] = {};
+    }
+  }
+  if (!own.light.per_pixel) return;
+  each_centre(config, scene, scene.triangles[triangle], own.worst.x_error, [&](const IdealPoint& at) {
+    bounds::raise_light(*own.light_unit, light_at(config, own, at), own.places);
+  });
+}
+
 }  // namespace
+
+std::string unbounded_light(const Config& config) {
+  if (has_relief(config)) {
+    return no_bound("light.normal", to_string(config.light_normal), to_string(LightNormal::channel));
+  }
+  if (has_light_shadow(config)) {
+    return no_bound("light.shadow", to_string(config.light_shadow), to_string(LightShadow::none));
+  }
+  return {};
+}
+
+void check_bounded(const Config& config, const Scene& scene) {
+  check_modes(config);
+  check_scene(config, scene);
+}
 
 bool has_bounds(const Config& config) {
   return is_bounded(config.perspective) && !has_subspans(config) && is_bounded(config.row_slope) &&
@@ -153,14 +215,18 @@ std::function<double(const InputRange&)> edge_position_error(const Config& confi
 std::vector<Bound> error_bounds(const Config& config, const Scene& scene) {
   check_modes(config);
   check_scene(config, scene);
-  std::vector<InputRange> triangles = triangle_ranges(config, scene);
-  if (triangles.empty()) triangles.push_back(input_range(config, scene));
+  std::vector<std::optional<InputRange>> triangles = ranges_of_triangles(config, scene);
+  if (std::ranges::none_of(triangles, [](const auto& r) { return r.has_value(); })) {
+    triangles.emplace_back(input_range(config, scene));
+  }
   ErrorAnalysis analysis(config);
   std::array<PlaceError, place_count> places;
   std::array<WorstCase, place_count> worst;
-  for (const InputRange& r : triangles) {
-    check_range(r);
-    PlaceErrors own = analysis.run(r);
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    if (!triangles[i]) continue;
+    check_range(*triangles[i]);
+    PlaceErrors own = analysis.run(*triangles[i]);
+    add_light(config, scene, i, own);
     for (std::size_t p = 0; p < place_count; ++p) {
       if (!own.places[p].used) continue;
       const double resolution = std::max(places[p].resolution, own.places[p].resolution);

@@ -51,6 +51,11 @@ std::vector<Bound> error_bounds(const Config& config, const Scene& scene);
 // off from the exact h, or from its complement where the code is that; the narrowing to whole codes is part
 // of it. 0 where the triangle covers no centre. Throws as error_bounds does.
 std::vector<double> stored_depth_bounds(const Config& config, const Scene& scene);
+// Says which key of light has no bound, and which values have one; empty where light has a bound, or is not
+// there. error_bounds then leaves light out.
+std::string unbounded_light(const Config& config);
+// Throws as error_bounds does.
+void check_bounded(const Config& config, const Scene& scene);
 // Whether error_bounds has an answer for the modes.
 bool has_bounds(const Config& config);
 

@@ -24,6 +24,7 @@ PlaceErrors ErrorAnalysis::run(const InputRange& in) {
     edge();
     span();
     if (has_project(c_.project)) project();
+    if (has_light(c_.light) && unbounded_light(c_).empty()) light();
   }
   return out_;
 }

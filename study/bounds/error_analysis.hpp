@@ -4,24 +4,48 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string_view>
 
 #include "config/config.hpp"
+#include "golden/ideal.hpp"
 #include "study/bounds/bounds.hpp"
 #include "study/bounds/error_sum.hpp"
 #include "study/bounds/input_range.hpp"
 #include "study/bounds/interval.hpp"
+#include "study/bounds/light_error.hpp"
 #include "study/bounds/places.hpp"
 #include "study/bounds/unit_error.hpp"
 #include "study/bounds/walk.hpp"
 
 namespace bitspan::bounds {
 
+// What of a triangle the bounds of light at one of its pixels are made of.
+struct CarriedLight {
+  bool per_pixel = false;
+  std::array<ErrorSum, 3> normal;  // of the channels nx, ny, nz
+  double largest = 0;              // of the vertices' normals
+  int exponent = 0;                // E
+  Interval q_times_s;              // of the scaled surface, s in the scene's unit
+  Interval h;                      // error of h, without that of setup.s
+  Interval vertex_s;               // s / s' - 1 of the vertices
+  Interval by_constants;           // A' and the reciprocal unit's error, over the exact A
+  bool s_any = false;              // s may be anything that its register holds
+  Interval brightness;             // per vertex: of the vertices, exactly
+};
+
 struct PlaceErrors {
   std::array<PlaceError, place_count> places;
   WorstCase worst;
   Hypotheses hypotheses;
+  std::shared_ptr<const LightError> light_unit;  // of a triangle under a light
+  CarriedLight light;
 };
+
+// Returns the errors at the centre of a pixel, where light is per pixel.
+LightErrors light_at(const Config& config, const PlaceErrors& triangle, const IdealPoint& centre);
+// Raises the bounds of light's places to those of one point.
+void raise_light(const LightError& unit, const LightErrors& e, std::array<PlaceError, place_count>& places);
 
 // The range and gradient of u or v on its way.
 struct Coordinate {
@@ -142,6 +166,18 @@ class ErrorAnalysis {
   // j: X, Y or W. exponent: of the projector. ends: relative error of q at the vertices.
   ProjectedLine projected_line(std::size_t j, const ProjectedRange& p, int exponent, Interval ends);
   void project();
+  // A linear channel: the vertices' registers, and the walks between them.
+  struct LinearLine {
+    FormatId vertex, step, acc, value;
+    Interval exact;      // of the vertices
+    ErrorSum at_vertex;  // of their registers
+    double change;       // between registers; 0 where they are equal
+    double gradient;     // of the exact value, per pixel of a row
+  };
+  ErrorSum linear_line(const LinearLine& line);
+  void light();
+  void pixel_light(const LitTriangle& t);
+  void vertex_light(const LitTriangle& t);
   Config c_;
   Unit pixel_, row_, edge_;
   InputRange in_;
@@ -155,6 +191,10 @@ class ErrorAnalysis {
   double row_width_ = 0;  // of a covered row, at most, pixels
   std::array<Coordinate, 2> uv_{};
   ErrorSum vertex_h_, edge_h_, position_;
+  ErrorSum centre_h_;          // of h in span at a pixel's centre, against the scaled surface
+  UnitError pixel_unit_;       // of the reciprocal unit there
+  bool pixel_divides_ = true;  // h + B is above 0 there
+  std::shared_ptr<const LightError> light_unit_;  // of the last view
   ErrorSum walked_h_;  // of h in span, against the line through the vertices' registers
   std::array<ErrorSum, 2> vertex_uv_, edge_uv_;
 };

@@ -24,6 +24,8 @@ struct Corner {
   double s;
   std::array<double, 2> uv;
   std::array<double, 3> xyw;  // of the projector
+  std::array<double, 3> normal;
+  std::size_t place;  // among the input's
 };
 
 Interval real(__int128 x) {
@@ -225,7 +227,13 @@ std::optional<InputRange> triangle_range(const Config& config, const Scene& scen
     const auto raw = [&](double x) {
       return static_cast<__int128>(std::ldexp(quantised(x, snap), config.subpixel_bits));
     };
-    v[i] = {raw(in.x), raw(in.y), in.s, {in.u, in.v}, {in.project_x, in.project_y, in.project_w}};
+    v[i] = {raw(in.x),
+            raw(in.y),
+            in.s,
+            {in.u, in.v},
+            {in.project_x, in.project_y, in.project_w},
+            {in.nx, in.ny, in.nz},
+            i};
   }
   std::stable_sort(v.begin(), v.end(),
                    [](const Corner& a, const Corner& b) { return a.y < b.y || (a.y == b.y && a.x < b.x); });
@@ -280,6 +288,15 @@ std::optional<InputRange> triangle_range(const Config& config, const Scene& scen
         {surface_of(corners([](const Corner& c) { return Interval(c.xyw[2]) / c.s; }), place, weight),
          {&gradient[0], &gradient[1], &gradient[2]}});
   }
+  if (scene.light && has_light(config.light)) {
+    LitTriangle& lit = r.lit.emplace();
+    lit.view = lit_view(scene);
+    for (std::size_t i = 0; i < 3; ++i) {
+      lit.v[i] = {pixels(v[i].x), pixels(v[i].y), v[i].s, v[i].normal};
+      if (v[i].place == 0) lit.first = i;
+    }
+    lit.weight = weight;
+  }
   for (const Measured& m : surfaces) {
     for (std::size_t k = 0; k < m.gradient.size(); ++k) *m.gradient[k] = steepest_inside(m.surface, k);
   }
@@ -290,6 +307,10 @@ std::optional<InputRange> triangle_range(const Config& config, const Scene& scen
 }
 
 }  // namespace
+
+bounds::LitView lit_view(const View& view) {
+  return {*view.light, view.width, view.height, view.focal, view.s_max};
+}
 
 std::vector<std::optional<InputRange>> ranges_of_triangles(const Config& config, const Scene& scene) {
   std::vector<std::optional<InputRange>> out;
@@ -336,6 +357,7 @@ InputRange input_range(const Config& config, const Scene& scene) {
     all.inverse_s_gradient = std::max(all.inverse_s_gradient, r.inverse_s_gradient);
     all.u_gradient = std::max(all.u_gradient, r.u_gradient);
     all.v_gradient = std::max(all.v_gradient, r.v_gradient);
+    if (triangles.size() > 1) all.lit.reset();
     if (!all.projected || !r.projected) {
       all.projected.reset();
       continue;

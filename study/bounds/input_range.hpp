@@ -10,6 +10,7 @@
 #include "config/config.hpp"
 #include "scene/scene.hpp"
 #include "study/bounds/interval.hpp"
+#include "study/bounds/light_error.hpp"
 
 namespace bitspan {
 
@@ -22,6 +23,20 @@ struct ProjectedRange {
   std::array<Interval, 3> place{};          // X / W, Y / W in texels, and 1 / W, of the vertices
   // The largest change of these to a neighbouring pixel of a row, inside a triangle and the picture.
   std::array<double, 3> place_gradient{};
+};
+
+// A triangle under a light.
+struct LitTriangle {
+  struct Corner {
+    double x = 0, y = 0, s = 0;  // snapped, pixels
+    std::array<double, 3> normal{};
+  };
+  bounds::LitView view;
+  std::array<Corner, 3> v{};  // in the order of the edge walk
+  std::size_t first = 0;      // the one that is the input's first
+  // What is linear on the screen changes per pixel to the right by the sum of these times its corners'
+  // values.
+  std::array<Interval, 3> weight{};
 };
 
 // What is known of the triangles. The fields from `shortest_edge` on may stay at what any legal triangle has;
@@ -43,7 +58,12 @@ struct InputRange {
   // Whether a pixel's centre may be covered. If not, only vertices are ever computed.
   bool covers = true;
   std::optional<ProjectedRange> projected = std::nullopt;
+  // Of one triangle alone.
+  std::optional<LitTriangle> lit = std::nullopt;
 };
+
+// What light takes of a view with one.
+bounds::LitView lit_view(const View& view);
 
 // Returns the hull of triangle_ranges, over all triangles of the scene. A scene without a triangle that has
 // an area leaves the defaults, with the scene's size and s range.

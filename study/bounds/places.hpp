@@ -37,6 +37,14 @@ enum Place : std::size_t {
   project_ratio,
   project_h,
   project_z,
+  // Up to light_color: where light.at is not none.
+  light_normal,
+  light_direction,
+  light_cosine,
+  light_mirrored,
+  light_specular,
+  light_value,
+  light_color,
   picture_depth,
   picture_u,
   picture_v,
@@ -47,6 +55,7 @@ struct PlaceName {
   const char *place, *stage, *quantity, *unit;
 };
 constexpr bool is_projected(std::size_t p) { return p >= project_s && p <= project_z; }
+constexpr bool is_lit(std::size_t p) { return p >= light_normal && p <= light_color; }
 constexpr std::array<PlaceName, place_count> place_names{{
     {"setup.b", "constants", "B", "depth code"},
     {"setup.h", "setup", "h", "depth code"},
@@ -73,6 +82,13 @@ constexpr std::array<PlaceName, place_count> place_names{{
     {"project.ratio", "project", "ratio", "1"},
     {"project.h", "project", "h", "depth code"},
     {"depth.z (project)", "project", "z", "depth code"},
+    {"light.normal", "light", "normal", "1"},
+    {"light.direction", "light", "direction", "1"},
+    {"light.cosine", "light", "cosine", "1"},
+    {"light.cosine (mirrored)", "light", "mirrored", "1"},
+    {"light.specular", "light", "specular", "1"},
+    {"light.value", "light", "value", "1"},
+    {"texture.color (light)", "light", "colour of an exact one", "colour code"},
     {"depth buffer", "picture", "depth", "depth code"},
     {"picture u", "picture", "u", "texel"},
     {"picture v", "picture", "v", "texel"},

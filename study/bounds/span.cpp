@@ -58,6 +58,7 @@ void ErrorAnalysis::span() {
   }
   ErrorSum total = at_chord;
   total.add("edge.x", Interval::plus_minus(moved));
+  centre_h_ = total;
   const double beyond = exact ? 0 : moved;  // outside the triangle
   const Interval drift = drift_over(beyond);
   total.add("setup.b", drift);
@@ -69,6 +70,8 @@ void ErrorAnalysis::span() {
   const Interval line_q = positive(q_ + end_h);
   const Divided q = divided(line_q, h, h_walk, values(format(F::span_h)));
   const UnitError unit = q.none ? UnitError{} : pixel_.error(q.operand);
+  pixel_unit_ = unit;
+  pixel_divides_ = !q.none;
   reciprocal_place(span_reciprocal, at_chord, moved, q, unit, "span.h");
   const Interval centre_q(next_down(q_.lo - beyond), next_up(q_.hi + beyond));
 

@@ -96,6 +96,23 @@ std::string why_of(std::size_t p, const Config& c, const WorstCase& f) {
     case project_h:
     case project_z:
       return "that of project.ratio times A of the projector, whose A and B are rounded";
+    case light_normal:
+      return "the error of the given normal turns it by the more the shorter it is; then the root's own "
+             "error";
+    case light_direction:
+      return "the error of the place turns it by the more the nearer the light is; then the root's own error";
+    case light_cosine:
+      return "both vectors turn the angle, times its sine; then the root's own error, and three roundings";
+    case light_mirrored:
+      return "that of the direction's z, and twice those of the cosine and the normal's z";
+    case light_specular:
+      return "the power's slope times the error of its cosine; then the table's chord, its entries, and a "
+             "rounding; all of it where the cosine's sign is open";
+    case light_value:
+      return lights_pixels(c.light) ? "the cosine's and the highlight's error by their shares, and a rounding"
+                                    : "that of the worst vertex, and the walks of the channel light";
+    case light_color:
+      return "that of the brightness times the largest colour, and a rounding; the texture's error is apart";
     case span_u:
     case span_v:
     case picture_u:
@@ -117,6 +134,7 @@ std::vector<Bound> explained(const Config& config, const std::array<PlaceError, 
   for (std::size_t p = 0; p < place_count; ++p) {
     if (p == edge_x_acc && !has_x_step(config)) continue;
     if (is_projected(p) && !has_project(config.project)) continue;
+    if (is_lit(p) && (!has_light(config.light) || !unbounded_light(config).empty())) continue;
     const PlaceName& name = place_names[p];
     Bound b{name.place,
             name.stage,
@@ -125,7 +143,9 @@ std::vector<Bound> explained(const Config& config, const std::array<PlaceError, 
             places[p].bound(),
             places[p].resolution,
             dominant_of(places[p]),
-            places[p].used ? why_of(p, config, worst[p]) : "never computed: no pixel's centre is covered",
+            places[p].used ? why_of(p, config, worst[p])
+            : is_lit(p)    ? "never computed: no pixel's centre is covered, or there is no light"
+                           : "never computed: no pixel's centre is covered",
             {}};
     for (const auto& term : places[p].error.terms())
       b.terms.push_back({std::string(term.first), term.second});
