@@ -234,6 +234,7 @@ class RangeCheck {
     if (view_.light && (view_.light->is_point || view_.light->reach > 0) && lights_vertices(c_.light)) {
       vertex_light(triangles, first);
     }
+    if (view_.light && has_light(c_.light)) vertex_normals(triangles, first);
     if (has_perspective_shades(c_.shade_lines)) vertex_shades(triangles, first);
     if (has_second_coordinates(c_.second_coordinates)) vertex_second(triangles, first);
     if (view_.light && has_relief(c_)) vertex_relief(triangles, first);
@@ -502,6 +503,24 @@ class RangeCheck {
         add(F::edge_f, product, index);
         add(F::span_f, q(F::edge_f, product), index);
         add(F::span_uv, w, index);
+      }
+    });
+  }
+  // Normals are mostly of length 1 and fit: one look over all of them says so.
+  void vertex_normals(std::span<const Triangle> triangles, std::int64_t first) {
+    constexpr std::array at_pixels{F::normal_vertex, F::normal_acc, F::normal_value};
+    const std::span<const F> taken =
+        lights_pixels(c_.light) ? std::span<const F>(at_pixels) : std::span(at_pixels).last(1);
+    double most = 0;
+    for (const Triangle& triangle : triangles) {
+      for (const Vertex& v : triangle.v) {
+        most = std::max({most, std::fabs(v.nx), std::fabs(v.ny), std::fabs(v.nz)});
+      }
+    }
+    if (std::ranges::all_of(taken, [&](F id) { return holds(format(id), -most, most); })) return;
+    for_each_vertex(triangles, first, [&](const Vertex& v, Real /*h*/, std::int64_t index) {
+      for (const double w : {v.nx, v.ny, v.nz}) {
+        for (const F id : taken) add(id, w, index);
       }
     });
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Proves upper bounds for the error of h, 1/(h + B), u and v against the unquantised truth ("ideal" of
-// docs/numeric-spec.md). It needs a configuration and the ranges of the input alone. docs/bounds.md has the
-// argument of each place.
+// Proves upper bounds for the error of h, 1/(h + B), u, v and a light's brightness against the unquantised
+// truth ("ideal" of docs/numeric-spec.md). It needs a configuration and the ranges of the input alone.
+// docs/bounds.md has the argument of each place.
 //
 // Every number is computed in intervals with outward rounding (study/bounds/interval.hpp). The formulas are
 // their own: they use no arithmetic of model/ or golden/.

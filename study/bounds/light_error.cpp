@@ -31,6 +31,16 @@ Interval length_of(const Vector& x) { return root_of(square(x[0]) + square(x[1])
 
 Interval product(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
+// x is not below 0.
+Interval power_of(Interval x, int n) {
+  Interval out = 1;
+  for (; n > 0; n /= 2) {
+    if (n % 2 != 0) out = out * x;
+    x = square(x);
+  }
+  return {std::max(0.0, out.lo), out.hi};
+}
+
 // What a divisor's register gains where it is 0, which stands for its last place.
 Interval raised_from_0(Interval held, const Format& f) {
   return {0, std::max(0.0, (Interval(ulp(f)) - held.lo).hi)};
@@ -159,15 +169,6 @@ ErrorSum LightError::dot(const Unit& n, const Unit& l, Interval exact) const {
   e.add("light.cosine", rounding(format(F::light_cosine), grid));
   settle(e, format(F::light_cosine), exact);
   return e;
-}
-
-Interval LightError::power_of(Interval x, int n) const {  // x >= 0
-  Interval out = 1;
-  for (; n > 0; n /= 2) {
-    if (n % 2 != 0) out = out * x;
-    x = square(x);
-  }
-  return {std::max(0.0, out.lo), out.hi};
 }
 
 ErrorSum LightError::power(Interval exact, Interval held_at, double resolution) const {

@@ -80,7 +80,6 @@ class LightError {
   const Format& format(FormatId id) const { return c_.format(id); }
   // The register of a constant.
   Interval held(Interval exact, FormatId id) const;
-  Interval power_of(Interval x, int n) const;
 
   Config c_;
   LitView view_;

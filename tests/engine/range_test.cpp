@@ -450,6 +450,33 @@ TEST(Range, ALightAsksForItsLawsAndItsField) {
   EXPECT_TRUE(names(with(F::relief_vertex, 11), F::relief_vertex));
 }
 
+TEST(Range, ALightAsksForItsNormals) {
+  Config c = shipped_config("depth16");
+  Scene scene;
+  scene.s_max = 16;
+  scene.light = Light{};
+  Triangle& triangle = scene.triangles.emplace_back();
+  triangle.v = {Vertex{3, 1, 4, 0, 0}, Vertex{90, 5, 8, 0, 0}, Vertex{5, 80, 2, 0, 0}};
+  triangle.v[1].ny = -2;
+  triangle.v[2].nx = 1.5;
+  for (const LightAt at : {LightAt::pixel, LightAt::vertex}) {
+    c.light = at;
+    triangle.v[0].nz = 0;
+    EXPECT_EQ(refusal(c, scene), "");
+    triangle.v[0].nz = 2;
+    const F first = at == LightAt::pixel ? F::normal_vertex : F::normal_value;
+    EXPECT_TRUE(names(refusal(c, scene), first)) << "-2 to below 2";
+    Config wide = c;
+    for (const F id : {F::normal_vertex, F::normal_value}) {
+      ++wide.format(id).word;
+      ++wide.format(id).integer;
+    }
+    EXPECT_EQ(refusal(wide, scene), "");
+  }
+  c.light = LightAt::none;
+  EXPECT_EQ(refusal(c, scene), "") << "normals without a light";
+}
+
 TEST(Range, DegenerateAndInvisibleTrianglesAskForNothingTheyDoNotUse) {
   Config c = shipped_config("depth16");
   Scene scene;

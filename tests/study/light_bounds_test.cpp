@@ -20,11 +20,13 @@
 #include "model/numeric/root.hpp"
 #include "report/error.hpp"
 #include "report/random_config.hpp"
+#include "scene/mesh.hpp"
 #include "scene/random.hpp"
 #include "study/bounds/bounds.hpp"
 #include "study/bounds/root_error.hpp"
 #include "tests/support/input_error.hpp"
 #include "tests/support/long_run.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/test_config.hpp"
 
 namespace bitspan {
@@ -166,6 +168,35 @@ TEST_P(LightBoundsAt, HoldOnRandomScenes) {
 INSTANTIATE_TEST_SUITE_P(Places, LightBoundsAt,
                          testing::Values(LightAt::face, LightAt::vertex, LightAt::pixel),
                          [](const auto& info) { return std::string(to_string(info.param)); });
+
+// ---------------------------------------------------------------- the terminator
+
+// Spot with a light at its side: a register on the other side of the terminator than the truth has a cosine
+// within its bound, however coarse the registers are.
+TEST(LightBounds, ExplainTheTerminatorOfSpot) {
+  MeshOptions options;
+  options.width = is_long_run() ? 640 : 160;
+  options.height = options.width * 3 / 4;
+  options.light = LightOptions{.light = {.is_point = true, .place = {5, 1, 0.5}}, .by_unit = true};
+  ProjectReport report;
+  const Scene scene = mesh_scene(read_mesh(source_path("tests/data/spot.obj")), options, report);
+  for (const int fraction : {18, 14, 10, 8, 6}) {
+    if (!is_long_run() && fraction != 18 && fraction != 6) continue;
+    Config config = shipped_config("depth16");
+    config.light = LightAt::pixel;
+    config.light_source = LightSource::point;
+    for (const FormatId id : {FormatId::light_normal, FormatId::light_direction, FormatId::light_cosine}) {
+      config.format(id).word = config.format(id).integer + fraction;
+    }
+    Tally tally;
+    observe(config, scene, LightBounds(config, scene), tally);
+    expect_held(tally, ("Spot, " + std::to_string(fraction) + " fraction bits").c_str());
+    EXPECT_GT(tally.dark, tally.fragments / 8);
+    if (fraction <= 8) {
+      EXPECT_GT(tally.other_side, 0U);
+    }
+  }
+}
 
 // ---------------------------------------------------------------- random registers
 
