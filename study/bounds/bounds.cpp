@@ -100,7 +100,10 @@ void each_centre(const Config& config, const Scene& scene, const Triangle& trian
     while (last < end && ideal_covers(config, *t, last, y)) ++last;
     if (has_x_step(config)) {
       // A row that covers no centre exactly may do so by its own error.
-      if (first == last) first = std::max<std::int64_t>(0, pixel(least_x) - 1), last = end;
+      if (first == last) {
+        first = std::max<std::int64_t>(0, pixel(least_x) - 1);
+        last = end;
+      }
       first = std::max<std::int64_t>(0, first - outside);
       last = std::min<std::int64_t>(scene.width, last + outside);
     }
