@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "cli/make.hpp"
+#include "cli/make_commands.hpp"
 #include "cli/scene_options.hpp"
 #include "config/curve.hpp"
 #include "config/store.hpp"

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "cli/make.hpp"
+#include "cli/make_commands.hpp"
 #include "config/config.hpp"
 #include "io/atomic_file.hpp"
 #include "scene/bez.hpp"

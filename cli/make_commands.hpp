@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `bitspan make` makes: each adds itself with its options, as the commands of cli/commands.hpp do.
+// The sub-commands of `bitspan make`: parameters or files in, meshes out. Each stands in a file of its own.
 #pragma once
 
 #include "cli/commands.hpp"
