@@ -10,6 +10,7 @@
 
 #include "config/config.hpp"
 #include "golden/forward_difference.hpp"
+#include "scene/generate/patch.hpp"
 #include "tests/numeric/rational.hpp"
 #include "tests/support/long_run.hpp"
 #include "tests/support/test_config.hpp"
@@ -235,6 +236,33 @@ TEST(ForwardDifference, TheConfigurationHasItsRegisters) {
   c.format(FormatId::curve_d2).word = 30;
   EXPECT_EQ(curve_formats(c)[2].word, 30);
   EXPECT_EQ(curve_formats(c)[1].word, 44);
+}
+
+// A patch is four curves and then one per row, each by the unit (P1). Its walk in plain integers has the same
+// bits.
+TEST(ForwardDifference, APatchIsMadeOfCurves) {
+  const std::uint64_t seed = 45;
+  Random random(seed);
+  for (int k = patch_k_least; k <= 5; ++k) {
+    PatchGrid grid;
+    for (auto& row : grid) {
+      for (std::int64_t& p : row) p = static_cast<std::int64_t>(random() % 2097153) - 1048576;
+    }
+    const auto whole = [](int fraction) {
+      return equal({64, 64 - fraction, true, Rounding::trn, Overflow::sat, false});
+    };
+    std::array<std::vector<CurveRegisters>, 4> columns;
+    for (std::size_t j = 0; j < 4; ++j) {
+      columns[j] = of_model(whole(3 * k), bezier({grid[0][j], grid[1][j], grid[2][j], grid[3][j]}, 0), k);
+    }
+    std::vector<std::int64_t> points;
+    for (std::size_t row = 0; row < patch_side(k); ++row) {
+      const CurveCoefficients along =
+          bezier({columns[0][row][0], columns[1][row][0], columns[2][row][0], columns[3][row][0]}, 3 * k);
+      for (const CurveRegisters& d : of_model(whole(6 * k), along, k)) points.push_back(d[0]);
+    }
+    EXPECT_EQ(points, patch_points(grid, k, 3 * k)) << "seed " << seed << ", k " << k;
+  }
 }
 
 // In the long form more than 10^8 steps.
