@@ -3,7 +3,8 @@
 //
 // Control points are multiples of 2^-fraction. A patch has 2^k steps each way. First four curves go from row
 // to row, one through each column of control points, then a curve per row through the four points that they
-// are at: 16 registers and three adders. Each way adds `guard` fraction bits; with 3 k no bit is ever lost.
+// are at: 16 registers for the columns and four for the row. Each way adds `guard` fraction bits; with 3 k no
+// bit is ever lost.
 #pragma once
 
 #include <array>
