@@ -39,4 +39,8 @@ constexpr AngleParts angle_parts(int angle, int turn) {
 // Throws InputError where the turn is not legal, or a product may be wider than the views hold.
 void check_rotate(const RotateFormats& formats, int turn);
 
+// How far each coordinate of a turned vector of at most that length is from the truth at most, in
+// coordinates, where nothing overflows.
+double rotate_error_bound(const RotateFormats& formats, double length);
+
 }  // namespace bitspan

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -164,6 +165,42 @@ TEST(Rotate, DriftsLittleInATurn) {
       // Per step three roundings, and the tables' errors of 2^-18 each on the length.
       const double bound = step * (3 * 0.5 + 3 * std::ldexp(length, -18));
       ASSERT_LE(std::hypot(static_cast<double>(now.x) - x, static_cast<double>(now.y) - y), 1.5 * bound);
+    }
+  }
+}
+
+// Over all angles, coarse tables and coarse vectors: within the bound, and the bound within four times of it.
+TEST(Rotate, StaysWithinItsBound) {
+  const std::uint64_t seed = 65;
+  Random random(seed);
+  for (const Rounding rounding : {Rounding::rnd_conv, Rounding::trn}) {
+    for (const int table : {8, 18}) {
+      RotateFormats formats = with(rounding);
+      formats.t = formats.s = {table, 1, true, Rounding::rnd, Overflow::sat, false};
+      const model::RotateStage stage = model::prepare_rotate(formats, 360);
+      const double length = std::ldexp(1.5, 15);
+      const double bound = rotate_error_bound(formats, length);
+      double worst = 0;
+      for (int n = 0; n < 40000; ++n) {
+        const double direction = static_cast<double>(random() % 100000) * 2e-5 * std::numbers::pi;
+        const double size = n % 2 == 0 ? length : length * static_cast<double>(random() % 1000) / 1000;
+        const PlaneVector v{static_cast<std::int64_t>(std::ldexp(size * std::cos(direction), 10)),
+                            static_cast<std::int64_t>(std::ldexp(size * std::sin(direction), 10))};
+        const int angle = static_cast<int>(random() % 361) - 180;
+        const PlaneVector now = model::rotate(stage, v, angle);
+        const long double turned = angle * std::numbers::pi_v<long double> / 180;
+        const auto x = static_cast<long double>(v.x);
+        const auto y = static_cast<long double>(v.y);
+        const auto error_x =
+            static_cast<double>(x * std::cos(turned) - y * std::sin(turned)) - static_cast<double>(now.x);
+        const auto error_y =
+            static_cast<double>(x * std::sin(turned) + y * std::cos(turned)) - static_cast<double>(now.y);
+        worst = std::max({worst, std::fabs(error_x), std::fabs(error_y)});
+      }
+      EXPECT_LE(std::ldexp(worst, -10), bound)
+          << "seed " << seed << " " << to_string(rounding) << " " << table;
+      EXPECT_GE(4 * std::ldexp(worst, -10), bound)
+          << "seed " << seed << " " << to_string(rounding) << " " << table;
     }
   }
 }
