@@ -19,7 +19,6 @@ namespace bitspan {
 namespace {
 
 using reference::Rational;
-using Random = std::mt19937_64;
 
 Format wide(int fraction, Rounding rounding = Rounding::rnd) {
   return {56, 56 - fraction, true, rounding, Overflow::sat, false};
@@ -79,7 +78,7 @@ TEST(ForwardDifference, AStepTakesTheOldValues) {
   EXPECT_EQ(d, (CurveRegisters{1100, 110, 11, 1}));
 }
 
-Format random_format(Random& random) {
+Format random_format(std::mt19937_64& random) {
   const int word = static_cast<int>(4 + random() % 58);
   const bool is_signed = random() % 4 != 0;
   const auto overflow =
@@ -93,7 +92,7 @@ Format random_format(Random& random) {
 // which round each sum alone, have them too.
 TEST(ForwardDifference, ModelEqualsGoldenAndRationals) {
   const std::uint64_t seed = 41;
-  Random random(seed);
+  std::mt19937_64 random(seed);
   std::uint64_t rounded = 0;
   std::uint64_t compared = 0;
   for (int n = 0; n < 400; ++n) {
@@ -134,7 +133,7 @@ TEST(ForwardDifference, ModelEqualsGoldenAndRationals) {
 // The certificate says yes: every point is the cubic's, the last one is the last control point.
 TEST(ForwardDifference, ThreeBitsPerHalvingAreEnough) {
   const std::uint64_t seed = 42;
-  Random random(seed);
+  std::mt19937_64 random(seed);
   const int fraction = 10;
   const ControlGrid grid{fraction, std::int64_t{1} << 14};
   for (int k = 0; k <= 8; ++k) {
@@ -196,7 +195,7 @@ TEST(ForwardDifference, TheCertificateKnowsRanges) {
 // Narrow registers: observed within the bound, and the bound within four times of what is observed.
 TEST(ForwardDifference, StaysWithinItsBound) {
   const std::uint64_t seed = 43;
-  Random random(seed);
+  std::mt19937_64 random(seed);
   for (const Rounding rounding : {Rounding::rnd, Rounding::trn, Rounding::rnd_conv, Rounding::trn_zero}) {
     for (const auto& below : {std::array{0, 0, 0, 0}, {4, 4, 4, 4}, {2, 5, 8, 9}, {9, 4, 6, 2}}) {
       const int k = 3;
@@ -242,7 +241,7 @@ TEST(ForwardDifference, TheConfigurationHasItsRegisters) {
 // bits.
 TEST(ForwardDifference, APatchIsMadeOfCurves) {
   const std::uint64_t seed = 45;
-  Random random(seed);
+  std::mt19937_64 random(seed);
   for (int k = patch_k_least; k <= 5; ++k) {
     PatchGrid grid;
     for (auto& row : grid) {
@@ -268,7 +267,7 @@ TEST(ForwardDifference, APatchIsMadeOfCurves) {
 // In the long form more than 10^8 steps.
 TEST(ForwardDifference, ManySteps) {
   const std::uint64_t seed = 44;
-  Random random(seed);
+  std::mt19937_64 random(seed);
   const int k = 12;
   const int curves = is_long_run() ? 24500 : 20;
   std::uint64_t steps = 0;

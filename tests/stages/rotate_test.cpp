@@ -16,15 +16,13 @@
 namespace bitspan {
 namespace {
 
-using Random = std::mt19937_64;
-
 RotateFormats with(Rounding rounding, int fraction = 10) {
   const Format small{18, 1, true, Rounding::rnd, Overflow::sat, false};
   return {small, small, {32, 32 - fraction, true, rounding, Overflow::sat, false}};
 }
 
 // Far enough from the ends for no overflow.
-PlaneVector random_vector(Random& random, int bits = 29) {
+PlaneVector random_vector(std::mt19937_64& random, int bits = 29) {
   return {static_cast<std::int64_t>(random()) >> (64 - bits),
           static_cast<std::int64_t>(random()) >> (64 - bits)};
 }
@@ -74,7 +72,7 @@ TEST(Rotate, ByHand) {
 // Any registers: tables and vectors, at the ends of the range too.
 TEST(Rotate, ModelEqualsGolden) {
   const std::uint64_t seed = 61;
-  Random random(seed);
+  std::mt19937_64 random(seed);
   const int designs = is_long_run() ? 4000 : 60;
   for (int n = 0; n < designs; ++n) {
     SCOPED_TRACE(testing::Message() << "seed " << seed << ", design " << n);
@@ -104,7 +102,7 @@ TEST(Rotate, ModelEqualsGolden) {
 // An odd rounding: turned back, every bit is as before. In the long form 10^8 vectors.
 TEST(Rotate, TurnedBackEveryBitIsRestored) {
   const std::uint64_t seed = 62;
-  Random random(seed);
+  std::mt19937_64 random(seed);
   const int vectors = is_long_run() ? 25'000'000 : 20'000;
   for (const Rounding rounding : odd) {
     const model::RotateStage stage = model::prepare_rotate(with(rounding), 360);
@@ -120,7 +118,7 @@ TEST(Rotate, TurnedBackEveryBitIsRestored) {
 
 // SC_RND fails at ties, and only there; SC_TRN nearly always.
 TEST(Rotate, OtherRoundingsDoNotRestore) {
-  Random random(63);
+  std::mt19937_64 random(63);
   const auto failures = [&](Rounding rounding, bool& only_at_ties) {
     const model::RotateStage stage = model::prepare_rotate(with(rounding), 360);
     const model::RotateStage even = model::prepare_rotate(with(Rounding::rnd_inf), 360);
@@ -150,7 +148,7 @@ TEST(Rotate, OtherRoundingsDoNotRestore) {
 // Each product loses half an ulp and t, s half of theirs; a full turn in 360 steps stays near.
 TEST(Rotate, DriftsLittleInATurn) {
   const model::RotateStage stage = model::prepare_rotate(with(Rounding::rnd_conv), 360);
-  Random random(64);
+  std::mt19937_64 random(64);
   for (int n = 0; n < 50; ++n) {
     const PlaneVector v = random_vector(random, 25);
     PlaneVector now = v;
@@ -172,7 +170,7 @@ TEST(Rotate, DriftsLittleInATurn) {
 // Over all angles, coarse tables and coarse vectors: within the bound, and the bound within four times of it.
 TEST(Rotate, StaysWithinItsBound) {
   const std::uint64_t seed = 65;
-  Random random(seed);
+  std::mt19937_64 random(seed);
   for (const Rounding rounding : {Rounding::rnd_conv, Rounding::trn}) {
     for (const int table : {8, 18}) {
       RotateFormats formats = with(rounding);
