@@ -594,7 +594,8 @@ constexpr KeyRow rows[] = {
      {1, 8, false, " clocks"},
      "",
      clocks | rtl,
-     "clocks of each multiplication: 2 registers the partial products, 3 their rows, 4 the factors, too",
+     "clocks of each multiplication: 2 registers the partial products, 3 their rows, 4 the factors, 5 the "
+     "partial products twice",
      {.presence = Presence::later}},
     {"rtl.normalise_clocks",
      MEMBER(rtl.normalise_clocks),

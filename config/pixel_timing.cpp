@@ -200,42 +200,16 @@ ProjectTiming project_timing(const Config& config) {
 }
 
 LightTiming light_timing(const Config& config) {
-  using F = FormatId;
-  const auto bits = [&](F id) { return signed_bits(config.format(id)); };
-  const RootUnit& unit = config.light_root;
-  const int y = std::max(unit.table_bits, unit.internal_bits) + 1;
   LightTiming t;
-  // All of a unit's products alike: n y, (n y) y, y (3 - n y y).
-  t.root_product = product_clocks(std::max(unit.operand_bits + 2, unit.internal_bits + 3), y);
-  const int root = config.rtl.normalise_clocks + 2 + unit.steps * (3 * t.root_product + 1);
-  const auto vector = [&](int part) {
-    VectorTiming v{.square = product_clocks(part, part), .root = root};
-    v.product = product_clocks(part, bits(F::light_root));
-    v.clocks = v.square + 2 + v.root + multiply_round_clocks(v.product);
-    return v;
-  };
-  t.normal = vector(bits(F::normal_value));
-  t.direction = vector(bits(F::light_position) + 1);
-  const int across = pixel_index_bits(config) + 2;
-  t.across_product = product_clocks(across, bits(F::light_scale));
-  t.place_product = product_clocks(across + bits(F::light_scale), bits(F::distance_s));
-  t.cosine_product = product_clocks(bits(F::light_normal), bits(F::light_direction));
-  t.mirrored_product = product_clocks(bits(F::light_cosine), bits(F::light_normal) + 1);
-  const int below = std::max(config.format(F::light_cosine).fraction() - config.light_index_bits, 0);
-  t.specular_product = product_clocks(bits(F::light_specular) + 1, below + 1);
-  t.diffuse_product = product_clocks(bits(F::light_value), bits(F::light_cosine));
-  t.share_product = product_clocks(bits(F::light_value), bits(F::light_specular));
-  t.lit_product = product_clocks(bits(F::texture_color), bits(F::light_value));
+  const int rounded = multiply_round_clocks(t.product);
+  t.root = config.rtl.normalise_clocks + 2 + config.light_root.steps * (3 * t.product + 1);
+  t.vector = t.product + 2 + t.root + rounded;
   // The place, and its difference to the light's.
-  const int direction =
-      has_light_points(config)
-          ? 1 + t.across_product + multiply_round_clocks(t.place_product) + 1 + t.direction.clocks
-          : 0;
-  const int join = std::max(direction, t.normal.clocks);
-  const int cosine = join + t.cosine_product + 2;
-  const int mirrored = cosine + multiply_round_clocks(t.mirrored_product);
-  const int specular = mirrored + 4 + multiply_round_clocks(t.specular_product) + 1;
-  t.clocks = specular + multiply_round_clocks(t.share_product) + multiply_round_clocks(t.lit_product);
+  const int place = has_light_points(config) ? 1 + t.product + rounded + 1 : 0;
+  // The cosine; the mirrored one; the table's two entries and what lies between; V; the colour.
+  const int cosine = t.product + 2;
+  const int specular = 4 + rounded + 1;
+  t.clocks = place + t.vector + cosine + rounded + specular + rounded + rounded;
   t.total = t.clocks + 1;
   return t;
 }

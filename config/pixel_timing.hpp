@@ -70,27 +70,14 @@ struct ProjectTiming {
   int clocks = 0;         // from acceptance to the skid at the output
   int total = 0;          // acceptance to out_valid_o
 };
-// rtl/unit_vector.sv, and rtl/root.sv in it.
-struct VectorTiming {
-  int square = 1;   // of a part
-  int root = 0;     // latency of RS
-  int product = 1;  // of a part and m
-  int clocks = 0;
-};
-// rtl/light.sv.
+// rtl/light.sv. Its multipliers lie all over a device, and each product has clocks for the ways to them and
+// back.
 struct LightTiming {
-  int root_product = 1;  // of a Newton step
-  VectorTiming normal, direction;
-  int across_product = 1;    // of x and k
-  int place_product = 1;     // of that and s
-  int cosine_product = 1;    // of N' and L
-  int mirrored_product = 1;  // of c and N'
-  int specular_product = 1;  // of the rise of an interval and the place in it
-  int diffuse_product = 1;   // of kd and c
-  int share_product = 1;     // of ks and the highlight
-  int lit_product = 1;       // of a colour and V
-  int clocks = 0;            // from acceptance to the skid at the output
-  int total = 0;             // acceptance to out_valid_o
+  int product = 5;  // of every product: rtl/mul_pipe.sv with registers on both sides of its multipliers
+  int root = 0;     // latency of rtl/root.sv
+  int vector = 0;   // of rtl/unit_vector.sv
+  int clocks = 0;   // from acceptance to the skid at the output
+  int total = 0;    // acceptance to out_valid_o
 };
 struct PixelTiming {
   int in_flight = 0;     // fragments that a stage holds while a memory answers

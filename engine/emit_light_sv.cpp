@@ -59,23 +59,9 @@ std::string emit_light_sv(const Config& config) {
   w.integer("NormaliseClocks", config.rtl.normalise_clocks);
   w.line("");
   w.root("Root", config.light_root);
-  w.integer("RootProductClocks", t.root_product);
-  const auto vector = [&](const std::string& name, const VectorTiming& v) {
-    w.integer(name + "SquareClocks", v.square);
-    w.integer(name + "RootClocks", v.root);
-    w.integer(name + "ProductClocks", v.product);
-    w.integer(name + "Clocks", v.clocks);
-  };
-  vector("Normal", t.normal);
-  vector("Direction", t.direction);
-  w.integer("AcrossProductClocks", t.across_product);
-  w.integer("PlaceProductClocks", t.place_product);
-  w.integer("CosineProductClocks", t.cosine_product);
-  w.integer("MirroredProductClocks", t.mirrored_product);
-  w.integer("SpecularProductClocks", t.specular_product);
-  w.integer("DiffuseProductClocks", t.diffuse_product);
-  w.integer("ShareProductClocks", t.share_product);
-  w.integer("LitProductClocks", t.lit_product);
+  w.integer("LightProductClocks", t.product);
+  w.integer("LightRootClocks", t.root);
+  w.integer("LightVectorClocks", t.vector);
   w.integer("LightClocks", t.clocks);
   w.line("endpackage");
   w.line("/* verilator lint_on UNUSED */");

@@ -83,17 +83,22 @@ module light #(
   localparam int IndexBits = bitspan_light_pkg::LightIndexBits;
   localparam bit HasPoint = bitspan_light_pkg::LightHasPoint != 0;
 
+  // All multiplications take equally many clocks. The first brings the factors to the multipliers, which lie all over a
+  // device.
+  localparam int ProductClocks = bitspan_light_pkg::LightProductClocks;
+  localparam int VectorClocks = bitspan_light_pkg::LightVectorClocks;
+
   // Clocks after acceptance at which a value is in its register.
-  localparam int PlaceAt = 1 + bitspan_light_pkg::AcrossProductClocks + bitspan_light_pkg::PlaceProductClocks + 4;
-  localparam int DirectionAt = HasPoint ? PlaceAt + 1 + bitspan_light_pkg::DirectionClocks : 0;
-  localparam int NormalAt = bitspan_light_pkg::NormalClocks;
+  localparam int PlaceAt = 1 + ProductClocks + ProductClocks + 4;
+  localparam int DirectionAt = HasPoint ? PlaceAt + 1 + VectorClocks : 0;
+  localparam int NormalAt = VectorClocks;
   localparam int JoinAt = (DirectionAt > NormalAt) ? DirectionAt : NormalAt;
-  localparam int CosineAt = JoinAt + bitspan_light_pkg::CosineProductClocks + 2;
-  localparam int MirroredAt = CosineAt + bitspan_light_pkg::MirroredProductClocks + 4;
+  localparam int CosineAt = JoinAt + ProductClocks + 2;
+  localparam int MirroredAt = CosineAt + ProductClocks + 4;
   localparam int EntryAt = MirroredAt + 4;
-  localparam int SpecularAt = EntryAt + bitspan_light_pkg::SpecularProductClocks + 4 + 1;
-  localparam int ValueAt = SpecularAt + bitspan_light_pkg::ShareProductClocks + 4;
-  localparam int Clocks = ValueAt + bitspan_light_pkg::LitProductClocks + 4;
+  localparam int SpecularAt = EntryAt + ProductClocks + 4 + 1;
+  localparam int ValueAt = SpecularAt + ProductClocks + 4;
+  localparam int Clocks = ValueAt + ProductClocks + 4;
 
   logic en;
   assign en = in_ready_o;
@@ -116,7 +121,7 @@ module light #(
     logic [SW-1:0] s;
     ring_line #(
         .Width(SW),
-        .Depth(1 + bitspan_light_pkg::AcrossProductClocks)
+        .Depth(1 + ProductClocks)
     ) u_s_line (
         .clk_i,
         .rst_ni,
@@ -136,7 +141,7 @@ module light #(
           .AW(CoordW + 2),
           .BW(ScaleW),
           .BSigned(ScaleSigned),
-          .Clocks(bitspan_light_pkg::AcrossProductClocks)
+          .Clocks(ProductClocks)
       ) u_across (
           .clk_i,
           .en_i(en),
@@ -158,7 +163,7 @@ module light #(
           .OutSigned(bitspan_light_pkg::LightPositionSigned),
           .OutRnd(bitspan_light_pkg::LightPositionRnd),
           .OutOvf(bitspan_light_pkg::LightPositionOvf),
-          .ProductClocks(bitspan_light_pkg::PlaceProductClocks)
+          .ProductClocks(ProductClocks)
       ) u_place (
           .clk_i,
           .en_i(en),
@@ -224,10 +229,9 @@ module light #(
         .OutSigned(bitspan_light_pkg::LightDirectionSigned),
         .OutRnd(bitspan_light_pkg::LightDirectionRnd),
         .OutOvf(bitspan_light_pkg::LightDirectionOvf),
-        .SquareClocks(bitspan_light_pkg::DirectionSquareClocks),
-        .RootClocks(bitspan_light_pkg::DirectionRootClocks),
-        .ScaleProductClocks(bitspan_light_pkg::DirectionProductClocks),
-        .Clocks(bitspan_light_pkg::DirectionClocks)
+        .RootClocks(bitspan_light_pkg::LightRootClocks),
+        .ProductClocks(ProductClocks),
+        .Clocks(VectorClocks)
     ) u_direction (
         .clk_i,
         .rst_ni,
@@ -274,10 +278,9 @@ module light #(
       .OutSigned(bitspan_light_pkg::LightNormalSigned),
       .OutRnd(bitspan_light_pkg::LightNormalRnd),
       .OutOvf(bitspan_light_pkg::LightNormalOvf),
-      .SquareClocks(bitspan_light_pkg::NormalSquareClocks),
-      .RootClocks(bitspan_light_pkg::NormalRootClocks),
-      .ScaleProductClocks(bitspan_light_pkg::NormalProductClocks),
-      .Clocks(bitspan_light_pkg::NormalClocks)
+      .RootClocks(bitspan_light_pkg::LightRootClocks),
+      .ProductClocks(ProductClocks),
+      .Clocks(VectorClocks)
   ) u_normal (
       .clk_i,
       .rst_ni,
@@ -307,7 +310,7 @@ module light #(
         .BW(DirectionW),
         .ASigned(bitspan_light_pkg::LightNormalSigned),
         .BSigned(bitspan_light_pkg::LightDirectionSigned),
-        .Clocks(bitspan_light_pkg::CosineProductClocks)
+        .Clocks(ProductClocks)
     ) u_share (
         .clk_i,
         .en_i(en),
@@ -384,7 +387,7 @@ module light #(
       .OutSigned(bitspan_light_pkg::LightCosineSigned),
       .OutRnd(bitspan_light_pkg::LightCosineRnd),
       .OutOvf(bitspan_light_pkg::LightCosineOvf),
-      .ProductClocks(bitspan_light_pkg::MirroredProductClocks)
+      .ProductClocks(ProductClocks)
   ) u_mirrored (
       .clk_i,
       .en_i(en),
@@ -469,7 +472,7 @@ module light #(
       .OutSigned(SpecularSigned),
       .OutRnd(bitspan_light_pkg::LightSpecularRnd),
       .OutOvf(bitspan_light_pkg::LightSpecularOvf),
-      .ProductClocks(bitspan_light_pkg::SpecularProductClocks)
+      .ProductClocks(ProductClocks)
   ) u_specular (
       .clk_i,
       .en_i(en),
@@ -497,7 +500,6 @@ module light #(
 
   localparam int ValueSigned = bitspan_light_pkg::LightValueSigned;
   localparam int DiffuseW = ValueW + CosineW;
-  localparam int DiffuseClocks = bitspan_light_pkg::DiffuseProductClocks;
   logic [CosineW-1:0] cosine_1, cosine_lit;
   logic [DiffuseW-1:0] diffuse;
   // The ambient share may have more places than the product.
@@ -516,7 +518,7 @@ module light #(
       .BW(CosineW),
       .ASigned(ValueSigned),
       .BSigned(1),
-      .Clocks(DiffuseClocks)
+      .Clocks(ProductClocks)
   ) u_diffuse (
       .clk_i,
       .en_i(en),
@@ -531,7 +533,7 @@ module light #(
   end
   ring_line #(
       .Width(BaseW),
-      .Depth(SpecularAt - CosineAt - DiffuseClocks - 3)
+      .Depth(SpecularAt - CosineAt - ProductClocks - 3)
   ) u_base_line (
       .clk_i,
       .rst_ni,
@@ -554,7 +556,7 @@ module light #(
       .OutSigned(ValueSigned),
       .OutRnd(bitspan_light_pkg::LightValueRnd),
       .OutOvf(bitspan_light_pkg::LightValueOvf),
-      .ProductClocks(bitspan_light_pkg::ShareProductClocks)
+      .ProductClocks(ProductClocks)
   ) u_value (
       .clk_i,
       .en_i(en),
@@ -591,7 +593,7 @@ module light #(
         .OutSigned(bitspan_light_pkg::TextureColorSigned),
         .OutRnd(bitspan_light_pkg::TextureColorRnd),
         .OutOvf(bitspan_light_pkg::TextureColorOvf),
-        .ProductClocks(bitspan_light_pkg::LitProductClocks)
+        .ProductClocks(ProductClocks)
     ) u_color (
         .clk_i,
         .en_i(en),

@@ -9,7 +9,8 @@
 //   Clocks 2  | partial products | their sum         |
 //   Clocks 3  | partial products | rows | their sum  |    a row: one limb of b times all of a
 //   Clocks 4  | the factors, so that they may come from afar | as 3
-//   Clocks 5+ | as 4, and the product waits for the clocks that are left
+//   Clocks 5  | the factors, a register per multiplier | partial products | the same, so that they may go afar | rows | sum
+//   Clocks 6+ | as 5, and the product waits for the clocks that are left
 module mul_pipe #(
     parameter int AW      = 18,
     parameter int BW      = 18,
@@ -17,6 +18,8 @@ module mul_pipe #(
     parameter int BSigned = 1,
     // b's top bit is set in one value alone, in which no other bit is.
     parameter int BTopAlone = 0,
+    // b_i is a_i: of two partial products that are the same, one is formed.
+    parameter int Same = 0,
     parameter int Clocks  = 3
 ) (
     input  logic             clk_i,
@@ -62,23 +65,57 @@ module mul_pipe #(
         .d_i({a_i, b_i}),
         .q_o({a_in, b_in})
     );
+    // From 5 clocks on, what is above the limbs has these registers, and only that.
+    logic unused_factors;
+    assign unused_factors = ^{a_in, b_in};
 
     // Partial products.
     logic signed [PartW-1:0] part_q[ALimbs*BLimbs];
     for (genvar i = 0; i < ALimbs; i++) begin : gen_a
       localparam int LimbAW = (i == ALimbs - 1) ? ALowW - i * Limb : Limb;
-      logic signed [Limb:0] a;
-      assign a = (Limb + 1)'($signed({(i == ALimbs - 1 && ALowSigned != 0) & a_in[i*Limb+LimbAW-1],
-                                      a_in[i*Limb+:LimbAW]}));
       for (genvar j = 0; j < BLimbs; j++) begin : gen_b
         localparam int LimbBW = (j == BLimbs - 1) ? BLowW - j * Limb : Limb;
-        logic signed [Limb:0] b;
-        assign b = (Limb + 1)'($signed({(j == BLimbs - 1 && BLowSigned != 0) & b_in[j*Limb+LimbBW-1],
-                                        b_in[j*Limb+:LimbBW]}));
+        logic [LimbAW-1:0] limb_a;
+        logic [LimbBW-1:0] limb_b;
+        logic signed [Limb:0] a, b;
+        if (Same != 0 && i < j) begin : gen_same
+          assign limb_a = '0;
+          assign limb_b = '0;
+        end else if (Clocks > 4) begin : gen_own
+          // Registers of its own, which synthesis must not join with its neighbours': a multiplier may lie far from those.
+          (* keep *)
+          always_ff @(posedge clk_i) begin
+            if (en_i) begin
+              limb_a <= a_i[i*Limb+:LimbAW];
+              limb_b <= b_i[j*Limb+:LimbBW];
+            end
+          end
+        end else begin : gen_shared
+          assign limb_a = a_in[i*Limb+:LimbAW];
+          assign limb_b = b_in[j*Limb+:LimbBW];
+        end
+        assign a = (Limb + 1)'($signed({(i == ALimbs - 1 && ALowSigned != 0) & limb_a[LimbAW-1], limb_a}));
+        assign b = (Limb + 1)'($signed({(j == BLimbs - 1 && BLowSigned != 0) & limb_b[LimbBW-1], limb_b}));
         always_ff @(posedge clk_i) begin
           if (en_i) part_q[i*BLimbs+j] <= a * b;
         end
       end
+    end
+    // The same, a clock later from 5 clocks on.
+    localparam int PartWait = Clocks > 4 ? 1 : 0;
+    logic signed [PartW-1:0] part[ALimbs*BLimbs];
+    for (genvar k = 0; k < ALimbs * BLimbs; k++) begin : gen_part
+      logic [PartW-1:0] late;
+      delay_line #(
+          .Width(PartW),
+          .Depth(PartWait)
+      ) u_part (
+          .clk_i,
+          .en_i,
+          .d_i(part_q[k]),
+          .q_o(late)
+      );
+      assign part[k] = $signed(late);
     end
     // The bits above a's limbs times all of b, and those above b's limbs times the lower part of a. The first two bits
     // of each have a register of their own, so that no clock adds twice.
@@ -161,11 +198,23 @@ module mul_pipe #(
       logic signed [PW-1:0] sum;
       always_comb begin
         sum = '0;
-        for (int i = 0; i < ALimbs; i++) sum = sum + (PW'(part_q[i*BLimbs+j]) <<< (Limb * (i + j)));
+        for (int i = 0; i < ALimbs; i++) begin
+          sum = sum + (PW'(part[(Same != 0 && i < j) ? j*BLimbs+i : i*BLimbs+j]) <<< (Limb * (i + j)));
+        end
       end
       assign row[j] = sum;
     end
-    assign row[BLimbs] = first_a_q + rest_a_q + first_b_q + rest_b_q;
+    logic signed [PW-1:0] above;
+    delay_line #(
+        .Width(PW),
+        .Depth(PartWait)
+    ) u_above (
+        .clk_i,
+        .en_i,
+        .d_i(first_a_q + rest_a_q + first_b_q + rest_b_q),
+        .q_o(above)
+    );
+    assign row[BLimbs] = above;
     logic signed [PW-1:0] term[BLimbs+1];
     if (Clocks >= 3) begin : gen_row_registers
       always_ff @(posedge clk_i) begin
@@ -189,7 +238,7 @@ module mul_pipe #(
     end
     delay_line #(
         .Width(PW),
-        .Depth(Clocks > 4 ? Clocks - 4 : 0)
+        .Depth(Clocks > 5 ? Clocks - 5 : 0)
     ) u_wait (
         .clk_i,
         .en_i,

@@ -12,9 +12,8 @@ module unit_vector #(
     parameter int OutSigned = 1,
     parameter int OutRnd = 0,
     parameter int OutOvf = 1,
-    parameter int SquareClocks = 1,
     parameter int RootClocks = 1,
-    parameter int ScaleProductClocks = 1,
+    parameter int ProductClocks = 1,
     parameter int Clocks = 1
 ) (
     input  logic                      clk_i,
@@ -40,7 +39,8 @@ module unit_vector #(
     mul_pipe #(
         .AW(XW),
         .BW(XW),
-        .Clocks(SquareClocks)
+        .Same(1),
+        .Clocks(ProductClocks)
     ) u_square (
         .clk_i,
         .en_i,
@@ -56,7 +56,7 @@ module unit_vector #(
   end
   delay_line #(
       .Width(1),
-      .Depth(SquareClocks - 1)
+      .Depth(ProductClocks - 1)
   ) u_none (
       .clk_i,
       .en_i,
@@ -89,7 +89,7 @@ module unit_vector #(
       .EW(EW),
       .Table(bitspan_light_pkg::RootTable),
       .NormaliseClocks(bitspan_light_pkg::NormaliseClocks),
-      .ProductClocks(bitspan_light_pkg::RootProductClocks),
+      .ProductClocks(ProductClocks),
       .Clocks(RootClocks)
   ) u_root (
       .clk_i,
@@ -102,7 +102,7 @@ module unit_vector #(
   logic [3*XW-1:0] x;
   ring_line #(
       .Width(3 * XW),
-      .Depth(SquareClocks + 2 + RootClocks)
+      .Depth(ProductClocks + 2 + RootClocks)
   ) u_x_line (
       .clk_i,
       .rst_ni,
@@ -125,7 +125,7 @@ module unit_vector #(
         .OutSigned(OutSigned),
         .OutRnd(OutRnd),
         .OutOvf(OutOvf),
-        .ProductClocks(ScaleProductClocks)
+        .ProductClocks(ProductClocks)
     ) u_part (
         .clk_i,
         .en_i,
@@ -139,9 +139,8 @@ module unit_vector #(
 
 `ifndef SYNTHESIS
   initial begin
-    assert (Clocks == SquareClocks + 2 + RootClocks + ScaleProductClocks + 4)
-    else $fatal(1, "unit_vector: has %0d clocks, told %0d", SquareClocks + 2 + RootClocks + ScaleProductClocks + 4,
-                Clocks);
+    assert (Clocks == 2 * ProductClocks + RootClocks + 6)
+    else $fatal(1, "unit_vector: has %0d clocks, told %0d", 2 * ProductClocks + RootClocks + 6, Clocks);
   end
 `endif
 endmodule

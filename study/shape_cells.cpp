@@ -80,8 +80,15 @@ void ShapeCells::multiply(int a, bool a_signed, int b, bool b_signed, const Prod
     // Yosys keeps the zeros below a row that is a sum of three.
     if (of_a.limbs > 2) add_registers(limb, of_b.limbs * (of_b.limbs - 1) / 2);
   }
-  if (clocks > 3) add_registers(a + b - product.elsewhere);
-  add_registers(read, std::max(1, clocks - 3));
+  if (clocks == 4) add_registers(a + b - product.elsewhere);
+  if (clocks > 4) {
+    // The factors, per multiplier and for what is above the limbs; the partial products wait a clock.
+    const int factors = of_a.low * of_b.limbs + of_b.low * of_a.limbs;
+    add_registers(factors + (of_a.spare > 0 ? of_a.spare + b : 0) +
+                  (of_b.spare > 0 ? of_b.spare + of_a.low : 0));
+    add_registers(factors - dropped + (spare ? std::max(a, b) + 3 : 0));
+  }
+  add_registers(read, std::max(1, clocks - (clocks > 4 ? 4 : 3)));
 }
 
 void ShapeCells::shift_add(int x, int base, int shift_max, int kept) {

@@ -26,9 +26,9 @@ std::vector<std::filesystem::path> sources() {
 
 TEST(Cells, AgreeWithTheLanguagesOwnOperators) {
   const std::string fast = run_verilator(sources(), "cells_bench");
-  EXPECT_NE(fast.find("checked 147859, errors 0"), std::string::npos) << fast;
+  EXPECT_NE(fast.find("checked 147856, errors 0"), std::string::npos) << fast;
   const std::string slow = run_icarus(sources(), "cells_bench", {"+seed=7", "+operands=300"});
-  EXPECT_NE(slow.find("checked 10959, errors 0"), std::string::npos) << slow;
+  EXPECT_NE(slow.find("checked 10956, errors 0"), std::string::npos) << slow;
 }
 
 TEST(Cells, PlantedBugsAreSeen) {
@@ -39,8 +39,9 @@ TEST(Cells, PlantedBugsAreSeen) {
       {"rtl/mul_pipe.sv", "(BSigned != 0 && k == TopW - 1) rest = rest - (a <<< k)",
        "(BSigned != 0 && k == TopW) rest = rest - (a <<< k)"},
       {"rtl/mul_pipe.sv", "rest = rest | ((a <<< k)", "rest = rest | ((a <<< (k + 1))"},
-      {"rtl/mul_pipe.sv", ".Depth(Clocks > 4 ? Clocks - 4 : 0)", ".Depth(Clocks > 4 ? Clocks - 3 : 0)"},
-      {"rtl/mul_pipe.sv", "(i == ALimbs - 1 && ALowSigned != 0) & a_in", "(i == ALimbs - 1) & a_in"},
+      {"rtl/mul_pipe.sv", ".Depth(Clocks > 5 ? Clocks - 5 : 0)", ".Depth(Clocks > 5 ? Clocks - 4 : 0)"},
+      {"rtl/mul_pipe.sv", "PartWait = Clocks > 4 ? 1 : 0;", "PartWait = 0;"},
+      {"rtl/mul_pipe.sv", "(i == ALimbs - 1 && ALowSigned != 0) & limb_a", "(i == ALimbs - 1) & limb_a"},
       {"rtl/lzc.sv", "count[2*n+1] | Levels'(1 << (level - 1))", "count[2*n+1]"},
       {"rtl/lzc_norm.sv", "coarse = (zeros_1 >> FineW) << FineW",
        "coarse = (zeros_1 >> FineW) << (FineW - 1)"},

@@ -324,6 +324,7 @@ TEST(LightRtl, PlantedBugsAreSeen) {
       {"rtl/root.sv", "product_y >> (YFrac + 1));", "product_y >> YFrac);"},
       {"rtl/root.sv", "e_q <= top >>> 1;", "e_q <= top;"},
       {"rtl/unit_vector.sv", "d_q     <= two_q + third_q;", "d_q     <= two_q;"},
+      {"rtl/mul_pipe.sv", "? j*BLimbs+i :", "? i*BLimbs+j :"},
       {"rtl/unit_vector.sv", "square[2] | DW'(none);", "square[2];"},
   };
   const Config config = with_light(shipped_config("narrow"));
