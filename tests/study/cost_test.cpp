@@ -304,6 +304,13 @@ std::vector<Config> further_modes() {
 // Keys of widths whose value rightly costs nothing.
 const std::map<std::string, std::string, std::less<>> free_keys{
     {"formats.merge.color.word", "a stored colour has 8 bits: no other word is legal"},
+    {"formats.curve.d0.word", "a unit beside the pipeline"},
+    {"formats.curve.d1.word", "a unit beside the pipeline"},
+    {"formats.curve.d2.word", "a unit beside the pipeline"},
+    {"formats.curve.d3.word", "a unit beside the pipeline"},
+    {"formats.rotate.t.word", "a unit beside the pipeline"},
+    {"formats.rotate.s.word", "a unit beside the pipeline"},
+    {"formats.rotate.xy.word", "a unit beside the pipeline"},
 };
 
 // Whether the key is a width, or the size of a cache.
