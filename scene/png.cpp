@@ -23,6 +23,8 @@ struct PngDecoder {
   png_structp png = nullptr;
   png_infop info = nullptr;
   Texture texture;
+  GreyCodes grey;
+  std::vector<std::uint8_t> bytes;  // codes of up to 8 bits, before they are widened
   std::vector<png_bytep> rows;
 
   ~PngDecoder() { png_destroy_read_struct(&png, &info, nullptr); }
@@ -42,9 +44,8 @@ void read_bytes(png_structp png, png_bytep out, std::size_t count) {
 
 void on_warning(png_structp, png_const_charp) {}
 
-// Returns false where it failed; decoder.error says why.
-bool decode(PngDecoder& decoder) {
-  if (setjmp(png_jmpbuf(decoder.png))) return false;
+// Reads what stands in front of the picture, and refuses what cannot be whole.
+void read_head(PngDecoder& decoder) {
   png_structp png = decoder.png;
   png_infop info = decoder.info;
   png_set_read_fn(png, &decoder, read_bytes);
@@ -56,7 +57,22 @@ bool decode(PngDecoder& decoder) {
   if (png_get_rowbytes(png, info) / 1032 * png_get_image_height(png, info) > decoder.data.size()) {
     png_error(png, "the file is far too short for its size (truncated)");
   }
+}
 
+// Reads the picture into rows of `pitch` bytes from `first`.
+void read_rows(PngDecoder& decoder, png_bytep first, std::size_t pitch) {
+  decoder.rows.resize(png_get_image_height(decoder.png, decoder.info));
+  for (std::size_t y = 0; y < decoder.rows.size(); ++y) decoder.rows[y] = first + y * pitch;
+  png_read_image(decoder.png, decoder.rows.data());
+  png_read_end(decoder.png, nullptr);
+}
+
+// Each returns false where it failed; decoder.error says why.
+bool decode_texels(PngDecoder& decoder) {
+  if (setjmp(png_jmpbuf(decoder.png))) return false;
+  png_structp png = decoder.png;
+  png_infop info = decoder.info;
+  read_head(decoder);
   png_set_expand(png);
   png_set_scale_16(png);
   png_set_gray_to_rgb(png);
@@ -69,13 +85,48 @@ bool decode(PngDecoder& decoder) {
   const std::size_t pitch = png_get_rowbytes(png, info);
   if (pitch != static_cast<std::size_t>(decoder.texture.width) * 4) png_error(png, "unexpected pixel layout");
   decoder.texture.rgba.resize(pitch * static_cast<std::size_t>(decoder.texture.height));
-  decoder.rows.resize(static_cast<std::size_t>(decoder.texture.height));
-  for (std::size_t y = 0; y < decoder.rows.size(); ++y) {
-    decoder.rows[y] = decoder.texture.rgba.data() + y * pitch;
-  }
-  png_read_image(png, decoder.rows.data());
-  png_read_end(png, nullptr);
+  read_rows(decoder, decoder.texture.rgba.data(), pitch);
   return true;
+}
+
+bool decode_codes(PngDecoder& decoder) {
+  if (setjmp(png_jmpbuf(decoder.png))) return false;
+  png_structp png = decoder.png;
+  png_infop info = decoder.info;
+  read_head(decoder);
+  if (png_get_color_type(png, info) != PNG_COLOR_TYPE_GRAY) {
+    png_error(png, "it has colours or alpha, and not grey levels alone");
+  }
+  const bool is_wide = png_get_bit_depth(png, info) == 16;
+  if (is_wide) {
+    png_set_swap(png);  // little-endian
+  } else {
+    png_set_packing(png);  // a byte per code
+  }
+  png_set_interlace_handling(png);
+  png_read_update_info(png, info);
+
+  decoder.grey.width = static_cast<int>(png_get_image_width(png, info));
+  decoder.grey.height = static_cast<int>(png_get_image_height(png, info));
+  const std::size_t width = png_get_image_width(png, info);
+  const std::size_t pitch = png_get_rowbytes(png, info);
+  if (pitch != width * (is_wide ? 2 : 1)) png_error(png, "unexpected pixel layout");
+  decoder.grey.codes.resize(width * png_get_image_height(png, info));
+  if (is_wide) {
+    read_rows(decoder, reinterpret_cast<png_bytep>(decoder.grey.codes.data()), pitch);
+    return true;
+  }
+  decoder.bytes.resize(decoder.grey.codes.size());
+  read_rows(decoder, decoder.bytes.data(), pitch);
+  std::copy(decoder.bytes.begin(), decoder.bytes.end(), decoder.grey.codes.begin());
+  return true;
+}
+
+void run(PngDecoder& decoder, bool (*decode)(PngDecoder&), const std::string& origin) {
+  decoder.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &decoder, on_error, on_warning);
+  if (decoder.png) decoder.info = png_create_info_struct(decoder.png);
+  if (!decoder.info) throw std::bad_alloc();
+  if (!decode(decoder)) ImageBytes{decoder.data, "PNG", origin}.corrupt(decoder.error);
 }
 
 }  // namespace
@@ -86,11 +137,15 @@ Texture decode_png(ByteSpan file, const std::string& origin) {
   PngDecoder decoder;
   decoder.data = file;
   decoder.texture.name = origin;
-  decoder.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &decoder, on_error, on_warning);
-  if (decoder.png) decoder.info = png_create_info_struct(decoder.png);
-  if (!decoder.info) throw std::bad_alloc();
-  if (!decode(decoder)) ImageBytes{file, "PNG", origin}.corrupt(decoder.error);
+  run(decoder, decode_texels, origin);
   return std::move(decoder.texture);
+}
+
+GreyCodes decode_grey_png(ByteSpan file, const std::string& origin) {
+  PngDecoder decoder;
+  decoder.data = file;
+  run(decoder, decode_codes, origin);
+  return std::move(decoder.grey);
 }
 
 }  // namespace bitspan
