@@ -185,8 +185,7 @@ HeightField field_of_npz(std::string_view file, const std::string& path,
   }
   if (names.size() != 1) {
     std::string known;
-    for (const std::string& name : (names.empty() ? all : names))
-      known += fmt::format(" {}", in_quotes(name));
+    for (const std::string& name : names.empty() ? all : names) known += fmt::format(" {}", in_quotes(name));
     refuse(path,
            array ? fmt::format("has no array {}", in_quotes(*array))
                  : fmt::format("has {} arrays with two axes", names.size()),
