@@ -7,11 +7,18 @@
 namespace bitspan {
 
 void add_make(CLI::App& app, Action& action) {
-  CLI::App* make = app.add_subcommand("make", "points of a curve, or quads of patches");
+  CLI::App* make = app.add_subcommand("make", "make a mesh, a simpler one, or points of a curve");
   make->require_subcommand(1);
-  make->footer(help_footer("the file is written", "", "bitspan make curve points.csv -o curve.obj"));
+  make->footer(help_footer("the file is written", "",
+                           "bitspan make terrain hills.png -o hills.obj
+                           "
+                           "  bitspan make curve points.csv -o curve.obj"));
   add_make_curve(*make, action);
   add_make_patches(*make, action);
+  add_make_terrain(*make, action);
+  add_make_delaunay(*make, action);
+  add_make_lod(*make, action);
+  add_make_simplify(*make, action);
 }
 
 }  // namespace bitspan

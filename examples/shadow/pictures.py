@@ -45,24 +45,12 @@ def cow(folder: pathlib.Path) -> pathlib.Path:
     return mesh
 
 
-def terrain(folder: pathlib.Path) -> pathlib.Path:
-    """Every second elevation as a corner, a unit of length per step, with a colour by its height."""
-    data = numpy.load(matplotlib.cbook.get_sample_data("jacksboro_fault_dem.npz", asfileobj=False))
-    heights = data["elevation"].astype(float)[::2, ::2]
-    rows, columns = heights.shape
-    y = (heights - heights.min()) / 40
-    shade = 0.45 + 0.5 * (y / y.max())
-    lines = []
-    for j in range(rows):
-        for i in range(columns):
-            s = shade[j, i]
-            lines.append(f"v {i - columns / 2} {y[j, i]:.4f} {j - rows / 2} {s:.3f} {0.96 * s:.3f} {0.85 * s:.3f}")
-    for j in range(rows - 1):
-        for i in range(columns - 1):
-            a = j * columns + i + 1
-            lines += [f"f {a} {a + columns} {a + 1}", f"f {a + 1} {a + columns} {a + columns + 1}"]
+def terrain(bitspan: str, folder: pathlib.Path) -> pathlib.Path:
+    """Every second elevation as a corner, a unit of length per step, with a grey by its height."""
+    field = matplotlib.cbook.get_sample_data("jacksboro_fault_dem.npz", asfileobj=False)
     mesh = folder / "terrain.obj"
-    mesh.write_text("\n".join(lines) + "\n")
+    subprocess.run([bitspan, "make", "terrain", field, "-o", str(mesh), "--every", "2", "--vertical", "0.025", "--shade"],
+                   check=True, stdout=subprocess.DEVNULL)
     return mesh
 
 
@@ -95,7 +83,7 @@ def main() -> int:
         draw("volumes", "demo", "--shadow=-12,16,-2", "--shadow-volumes")
         draw("spot", str(cow(scratch)), "--yaw", "150", "--pitch", "24", "--distance", "4.2",
              "--shadow=4,5,-2,0,-0.2,0,40")
-        ground = str(terrain(scratch))
+        ground = str(terrain(bitspan, scratch))
         camera = ["--yaw", "20", "--pitch", "38", "--distance", "190", "--no-cull", "--unlit"]
         draw("terrain", ground, *camera, "--shadow=-230,190,-60", "--shadow-map", "2048")
         for name, bias in [("rays-2", "2"), ("rays-auto", "auto")]:
