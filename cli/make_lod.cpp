@@ -47,7 +47,7 @@ int make_lod_command(const LodArguments& o) {
   options.steepness = o.field.place.vertical / o.field.place.spacing;
   Lod lod;
   {
-    Progress progress("points");
+    Progress progress("ranks");
     lod = make_lod(field, options, shown(progress));
   }
   if (!o.output.empty()) {
