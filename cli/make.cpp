@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// bitspan make: meshes from parameters or files.
+// bitspan make: meshes and curves from parameters or files.
 #include <CLI/CLI.hpp>
 
 #include "cli/make_commands.hpp"

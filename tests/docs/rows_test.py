@@ -81,7 +81,7 @@ class Rows(unittest.TestCase):
         text = PAGE.read_text()
         for old, new, problem in (
             ("| D1 |", "| D7 |", "D7: no row of the source documents"),
-            ("| C2 | forward differences: polynomials by adders alone | S |\n", "", "C2: no line"),
+            ("| H2 | Roberts' algorithm for edges of convex bodies | O |\n", "", "H2: no line"),
             ("| ST1 |", "| ST2 |", "ST2: stands twice"),
             ("perspective by adders and one reciprocal per pixel (delta-f)", " ", "T1: 6 cells, not all of 6 are filled"),
             ("| V1 | Y-buffer for height fields | O |", "| V1 | Y-buffer for height fields | X |", "V1: no such role: X"),

@@ -325,7 +325,6 @@ TEST(LightRtl, PlantedBugsAreSeen) {
       {"rtl/root.sv", "e_q <= top >>> 1;", "e_q <= top;"},
       {"rtl/unit_vector.sv", "d_q     <= two_q + third_q;", "d_q     <= two_q;"},
       {"rtl/mul_pipe.sv", "? j*BLimbs+i :", "? i*BLimbs+j :"},
-      {"rtl/unit_vector.sv", "square[2] | DW'(none);", "square[2];"},
   };
   const Config config = with_light(shipped_config("narrow"));
   const auto run = [&] {
