@@ -10,8 +10,7 @@ void add_make(CLI::App& app, Action& action) {
   CLI::App* make = app.add_subcommand("make", "make a mesh, a simpler one, or points of a curve");
   make->require_subcommand(1);
   make->footer(help_footer("the file is written", "",
-                           "bitspan make terrain hills.png -o hills.obj
-                           "
+                           "bitspan make terrain hills.png -o hills.obj\n"
                            "  bitspan make curve points.csv -o curve.obj"));
   add_make_curve(*make, action);
   add_make_patches(*make, action);
