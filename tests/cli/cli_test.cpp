@@ -1055,6 +1055,20 @@ TEST_F(Cli, VerifyHoldsAndWritesItsReports) {
   EXPECT_GT(json.at("scenes")[0].at("pairs")[0].at("stages").at("span").at("non_trivial"), 1000);
 }
 
+TEST_F(Cli, OraclesAreDrawn) {
+  stream("a.tri");
+  const Result r = run("render a.tri --engine oracle:painter -o a.png");
+  ASSERT_EQ(r.code, 0) << r.out << r.err;
+  EXPECT_NE(r.out.find(" pixels covered, "), std::string::npos) << r.out;
+  EXPECT_TRUE(std::filesystem::exists(folder.path("a.png")));
+  refused("render a.tri --engine oracle:nobody -o b.png",
+          "--engine: 'nobody' is no oracle; legal: abuffer, ");
+  refused("render a.tri --engine oracle:painter --dump b", "--engine: an oracle makes a picture alone");
+  refused("render a.tri --engine oracle:painter -o b.png --form scalar",
+          "--form: only the engine model has it");
+  EXPECT_FALSE(std::filesystem::exists(folder.path("b.png")));
+}
+
 TEST_F(Cli, OraclesAreComparedAndShown) {
   stream("a.tri");
   const Result r =
@@ -1094,6 +1108,9 @@ TEST_F(Cli, OraclesAreComparedAndShown) {
       << left_out.out;
   EXPECT_EQ(run("verify clear.tri --engines golden,model --oracles simplex --allow-missing").code, 0);
   EXPECT_EQ(run("explain clear.tri 8 8 --engines golden --oracles simplex").code, 1);
+  // All asks for those that fit, which is one at least.
+  EXPECT_EQ(run("verify clear.tri --engines golden,model --oracles all").code, 1);
+  EXPECT_EQ(run("explain clear.tri 8 8 --engines golden --oracles all").code, 1);
   refused("explain a.tri 8 8 --oracles nobody", "'nobody' is no oracle");
   refused("verify a.tri --oracles nobody", "'nobody' is no oracle; legal: all, abuffer, half_planes, ");
   refused("verify a.tri --engines golden,model --oracle-maps maps", "--oracle-maps: goes with --oracles");
