@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "config/modes.hpp"
-#include "golden/ideal.hpp"
+#include "golden/ideal_point.hpp"
 #include "report/visibility.hpp"
 #include "study/bounds/error_analysis.hpp"
 #include "study/bounds/texts.hpp"

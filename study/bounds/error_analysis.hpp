@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "config/config.hpp"
-#include "golden/ideal.hpp"
+#include "golden/ideal_point.hpp"
 #include "study/bounds/bounds.hpp"
 #include "study/bounds/error_sum.hpp"
 #include "study/bounds/input_range.hpp"

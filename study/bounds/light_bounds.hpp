@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "config/config.hpp"
-#include "golden/ideal.hpp"
+#include "golden/ideal_point.hpp"
 #include "scene/scene.hpp"
 
 namespace bitspan {

@@ -345,7 +345,7 @@ TEST(Npy, ATableComesBackAndAnythingElseIsRefused) {
   // As NumPy writes it, and as others may.
   changed("(3, 2), }", "(3,2), } ");
   EXPECT_EQ(read_npy_table(path).values, values);
-  changed(", 2), }", ", 2,), ");
+  changed(", 2), }", ", 2,)} ");
   EXPECT_EQ(read_npy_table(path).values, values);
   std::string second = good;
   second[6] = 2;
