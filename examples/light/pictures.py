@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Draw a cow under lights of each kind, and for two eyes.
+"""Draw a cow under lights of each kind, and for two eyes, and a teapot.
 
     examples/light/pictures.py BITSPAN CONFIG.toml FOLDER
 
@@ -21,6 +21,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SPOT = str(ROOT / "tests/data/spot.obj")
+TEAPOT = str(ROOT / "tests/data/teapot.bez")
 SIZE = "480x360"
 PARALLAX = 9
 
@@ -48,14 +49,21 @@ def main() -> int:
         def draw(name: str, config: pathlib.Path, *flags: str) -> None:
             render(name, SPOT, config, "--distance", "2.6", *flags)
 
+        def pot(name: str, config: pathlib.Path, *flags: str) -> None:
+            # Few triangles, so that the three can be told apart.
+            render(f"light-teapot-{name}", TEAPOT, config, "--patch-depth", "2", "--yaw", "200", "--distance", "8.5", *flags)
+
         draw("light-none", base, "--unlit")
+        pot("none", base, "--unlit")
         def with_keys(name: str, keys: str) -> pathlib.Path:
             config = pathlib.Path(scratch) / f"{name}.toml"
             config.write_text(base.read_text().replace("[fog]", f"{keys}\n\n[fog]", 1))
             return config
 
         for at in ("face", "vertex", "pixel"):
-            draw(f"light-{at}", with_keys(at, f'[light]\nat = "{at}"\nsource = "point"'), "--light=2,2.5,-2.5,0.15,0.4,32")
+            config = with_keys(at, f'[light]\nat = "{at}"\nsource = "point"')
+            draw(f"light-{at}", config, "--light=2,2.5,-2.5,0.15,0.4,32")
+            pot(at, config, "--light=-2,6,-6,0.25,0.35,32")
         # The light is behind the viewer, as the sun is at full moon.
         moon = with_keys("moon", '[light]\nat = "pixel"\nlaw = "lunar"')
         draw("light-lambert", moon, "--light=4.7,3.4,-8.1,0.05,0,1")
