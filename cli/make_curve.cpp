@@ -29,11 +29,6 @@ struct CurveArguments {
   int point_bits = 16;
 };
 
-// A name's enumerator; the option parser has checked it.
-template <class E>
-E enumerator_of(const std::string& name) {
-  return static_cast<E>(std::ranges::find(enum_names<E>, name) - enum_names<E>.begin());
-}
 template <class E>
 std::vector<std::string> names_of() {
   return {enum_names<E>.begin(), enum_names<E>.end()};
@@ -130,8 +125,8 @@ std::optional<Vec3> tangent_of(const std::vector<double>& given) {
 }
 
 int make_curve_file(const CurveArguments& o) {
-  CurveOptions options{.kind = enumerator_of<CurveKind>(o.kind),
-                       .end = enumerator_of<CurveEnd>(o.end),
+  CurveOptions options{.kind = choice<CurveKind>(o.kind, "--kind"),
+                       .end = choice<CurveEnd>(o.end, "--end"),
                        .first_tangent = tangent_of(o.first_tangent),
                        .last_tangent = tangent_of(o.last_tangent)};
   if (options.kind != CurveKind::spline && (options.first_tangent || options.last_tangent)) {
