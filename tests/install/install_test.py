@@ -316,7 +316,10 @@ class Pages(Installed):
         self.assertEqual(self.complete("bitspan", "render", "--config", "="), shipped)
         self.assertEqual(self.complete("bitspan", "config", "show", "d"), {"depth16", "depth20"})
         self.assertEqual(self.complete("bitspan", "verify", "--engines", "golden,r"), {"golden,rtl"})
-        self.assertEqual(self.complete("bitspan", "render", "--engine", ""), {"golden", "model", "systemc", "rtl", "ideal"})
+        oracles = {"oracle:" + name for name in self.complete("bitspan", "verify", "--oracles", "") if name != "all"}
+        self.assertLessEqual({"oracle:ray", "oracle:painter", "oracle:scanline"}, oracles)
+        self.assertEqual(self.complete("bitspan", "render", "--engine", ""),
+                         {"golden", "model", "systemc", "rtl", "ideal"} | oracles)
         self.assertEqual(self.complete("bitspan", "sim", "--mode", ""), {"cycle", "span"})
         (self.work / "mesh.obj").write_text("")
         self.assertEqual(self.complete("bitspan", "verify", ""), {"demo", "extreme", "floor", "mirror", "room", "mesh.obj"})

@@ -355,7 +355,7 @@ TEST(Npy, ATableComesBackAndAnythingElseIsRefused) {
 
   changed("(3, 2), }", "(6,), }  ");
   refused("has not two axes");
-  changed("(3, 2), }", "(3,2,1), ");
+  changed("(3, 2), }", "(3,2,1)} ");
   refused("has not two axes");
   changed("(3, 2), }", "(3, 2     ");
   refused("two axes");

@@ -336,9 +336,8 @@ PipeCase random_pipe_case(Random& random, const Config& c, int batches, const Pi
       f.h = random_value(random, c.format(FormatId::span_h), has_levels);
       for (std::int64_t* uv : {&f.u, &f.v})
         *uv = random_value(random, c.format(FormatId::span_uv), has_levels);
-      for (std::int64_t* v : {&f.r, &f.g, &f.b, &f.a})
-        *v = random_raw(random, c.format(FormatId::span_shade));
-      if (random() % 4 == 0) f.a = half_of(c.format(FormatId::span_shade)).value_or(f.a);
+      for (std::int64_t* v : {&f.r, &f.g, &f.b, &f.a}) *v = random_raw(random, c.format(shade_factor(c)));
+      if (random() % 4 == 0) f.a = half_of(c.format(shade_factor(c))).value_or(f.a);
       const bool back = random() % 2 == 0;
       model::FragmentChannels channels{};
       if (has_vertex_fog(c.fog)) channels[0].w = random_raw(random, c.format(FormatId::fog_factor));

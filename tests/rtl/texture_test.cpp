@@ -172,7 +172,7 @@ struct Given {
 Given random_fragment(Random& random, Case& t, std::uint64_t number, bool plain) {
   const Config& c = t.config;
   const Format& uv = c.format(FormatId::span_uv);
-  const Format& shade = c.format(FormatId::span_shade);
+  const Format& shade = c.format(shade_factor(c));
   const Placed& placed = t.textures[plain ? 5 : random() % t.textures.size()];
   const bool textured = plain || chance(random, 0.9);
   const auto wrap = [&] {
