@@ -11,6 +11,7 @@ void clear_frame(Frame& frame, int width, int height, const std::array<std::uint
                  std::uint32_t clear_depth, bool winners) {
   frame.width = width;
   frame.height = height;
+  frame.first_row = 0;
   const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   const std::array<std::uint8_t, 4> rgba{background[0], background[1], background[2], 255};
   frame.color.resize(4 * pixels);

@@ -25,6 +25,16 @@ struct Candidate {
   bool operator==(const Candidate&) const = default;
 };
 
+// Where the pixels of a picture lie in planes of some of its rows.
+struct PixelGrid {
+  int width = 0;
+  int first_row = 0;  // the picture's row that is row 0 of the planes
+
+  std::int64_t place(std::int64_t x, std::int64_t y) const { return (y - first_row) * width + x; }
+  std::int64_t x_of(std::int64_t place) const { return place % width; }
+  std::int64_t y_of(std::int64_t place) const { return place / width + first_row; }
+};
+
 // What a run leaves behind; every plane is height * width, rows from the top.
 struct Frame {
   int width = 0;
@@ -36,10 +46,13 @@ struct Frame {
   std::vector<std::uint8_t> stencil{};  // empty until a stencil test or a clear of the stencil
   std::vector<Candidate> candidates{};  // empty until a pass holds some
   bool full_alpha = true;               // every A is 255
+  int first_row = 0;                    // of a band: the picture's row that is row 0; else 0
+
+  PixelGrid grid() const { return {width, first_row}; }
 };
 
-// Gives the frame its size, the background, the depth buffer's clear code and no triangle. winners: with the
-// planes u, v and triangle; else they are empty.
+// Gives the frame its size, the background, the depth buffer's clear code and no triangle; its row 0 is the
+// picture's. winners: with the planes u, v and triangle; else they are empty.
 void clear_frame(Frame& frame, int width, int height, const std::array<std::uint8_t, 3>& background,
                  std::uint32_t clear_depth, bool winners = true);
 
@@ -77,7 +90,7 @@ class Targets {
 };
 
 inline std::size_t pixel_of(const Frame& frame, const FragmentRecord& fragment) {
-  return static_cast<std::size_t>(fragment.y * frame.width + fragment.x);
+  return static_cast<std::size_t>(frame.grid().place(fragment.x, fragment.y));
 }
 
 // The planes of the winner; the frame has them. uv_ulp: the value of 1 in u and v.

@@ -49,7 +49,7 @@ class Depth {
   }
 
   void operator()(std::span<const FragmentRecord> fragments, const GradientRecord& gradient,
-                  const DrawState& state, std::span<const std::uint32_t> stored, int width,
+                  const DrawState& state, std::span<const std::uint32_t> stored, PixelGrid grid,
                   std::vector<DepthRecord>& out) const {
     const std::size_t first = out.size();
     const auto covered = std::ranges::count(fragments, 1, &FragmentRecord::covered);
@@ -61,7 +61,7 @@ class Depth {
       record.triangle = fragment.triangle;
       record.x = fragment.x;
       record.y = fragment.y;
-      record.stored = stored[static_cast<std::size_t>(fragment.y * width + fragment.x)];
+      record.stored = stored[static_cast<std::size_t>(grid.place(fragment.x, fragment.y))];
       record.z = fragment.h;  // until it is narrowed
     }
     for (std::size_t at = first; at < out.size(); at += lanes) {

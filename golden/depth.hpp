@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/frame.hpp"
 #include "engine/records.hpp"
 #include "golden/arithmetic.hpp"
 #include "golden/constants.hpp"
@@ -13,10 +14,10 @@
 namespace bitspan::golden {
 
 // Takes fragments of one triangle, so each at a pixel of its own, its gradients (which float_dz alone reads),
-// and the picture's stored codes, `width` per row. Appends a record for each covered fragment.
+// and the stored codes of the picture's rows in `grid`. Appends a record for each covered fragment.
 using DepthStage =
     std::function<void(std::span<const FragmentRecord>, const GradientRecord&, const DrawState&,
-                       std::span<const std::uint32_t> stored, int width, std::vector<DepthRecord>& out)>;
+                       std::span<const std::uint32_t> stored, PixelGrid grid, std::vector<DepthRecord>& out)>;
 DepthStage make_depth(Arithmetic arithmetic, const Config& config, const Constants& constants);
 
 // z + bias, held within the codes.

@@ -161,9 +161,9 @@ class GoldenEngine final : public Engine, public RowEngine {
     std::vector<DepthRecord> depths;
     std::vector<TextureRecord> textures;
     std::vector<FogRecord> fogs;
-    for (std::int64_t y = 0; y < frame_.height; ++y) {
+    for (std::int64_t y = frame_.first_row; y < frame_.first_row + frame_.height; ++y) {
       for (std::int64_t x = 0; x < frame_.width && !frame_.candidates.empty(); ++x) {
-        Candidate& held = frame_.candidates[static_cast<std::size_t>(y * frame_.width + x)];
+        Candidate& held = frame_.candidates[pixel_at(x, y)];
         if (held.a == 0) continue;
         fragments.push_back({.triangle = held.triangle, .x = x, .y = y, .u = held.u, .v = held.v});
         depths.push_back({.triangle = held.triangle, .x = x, .y = y, .z = held.z});
@@ -237,6 +237,10 @@ class GoldenEngine final : public Engine, public RowEngine {
   void clear_target() {
     clear_frame(frame_, scene_->width, scene_->height, scene_->background,
                 static_cast<std::uint32_t>(clear_depth(config_)));
+  }
+  // Of a pixel in the frame's planes.
+  std::size_t pixel_at(std::int64_t x, std::int64_t y) const {
+    return static_cast<std::size_t>(frame_.grid().place(x, y));
   }
   // Returns where records go.
   Trace& begin_batch(Trace* trace) {
@@ -427,7 +431,7 @@ class GoldenEngine final : public Engine, public RowEngine {
   // Holds those alive that are the farthest ones of their pixels.
   void run_candidate(std::span<const FogRecord> fogs, Trace& out) {
     for (std::size_t i = 0; i < alive_.size(); ++i) {
-      Candidate& held = frame_.candidates[static_cast<std::size_t>(fogs[i].y * frame_.width + fogs[i].x)];
+      Candidate& held = frame_.candidates[pixel_at(fogs[i].x, fogs[i].y)];
       out.candidate.push_back(candidate(config_, *alive_[i], *depths_[i], *textures_[i], fogs[i], held));
     }
     counters_.candidates += alive_.size();
@@ -438,15 +442,14 @@ class GoldenEngine final : public Engine, public RowEngine {
     counters_.written += alive_.size();
     const std::size_t first_merge = out.merge.size();
     const std::size_t first_alpha = out.merge_alpha.size();
-    merge_(fogs, textures_, depths_, state_, frame_.color, frame_.width, out.merge, out.merge_alpha);
+    merge_(fogs, textures_, depths_, state_, frame_.color, frame_.grid(), out.merge, out.merge_alpha);
     const WriteMask mask{state_.color_write, state_.depth_write, state_.color_mask};
     for (std::size_t i = 0; i < alive_.size(); ++i) {
       write_fragment(frame_, *alive_[i], out.merge[first_merge + i], uv_ulp_, mask);
     }
     if (mask.stores(3)) {
       for (const MergeAlphaRecord& merged : std::span(out.merge_alpha).subspan(first_alpha)) {
-        frame_.color[4 * static_cast<std::size_t>(merged.y * frame_.width + merged.x) + 3] =
-            static_cast<std::uint8_t>(merged.a);
+        frame_.color[4 * pixel_at(merged.x, merged.y) + 3] = static_cast<std::uint8_t>(merged.a);
       }
     }
   }
@@ -488,18 +491,18 @@ class GoldenEngine final : public Engine, public RowEngine {
     const std::size_t first = out.depth.size();
     if (alive_.size() == covered) {
       depth_(drawn_.empty() ? all : std::span<const FragmentRecord>(drawn_), gradient_, state_, frame_.depth,
-             frame_.width, out.depth);
+             frame_.grid(), out.depth);
     } else {
       tested_.clear();
       for (const FragmentRecord* fragment : alive_) tested_.push_back(drawn(*fragment, out));
-      depth_(tested_, gradient_, state_, frame_.depth, frame_.width, out.depth);
+      depth_(tested_, gradient_, state_, frame_.depth, frame_.grid(), out.depth);
     }
     std::size_t kept = 0;
     for (std::size_t i = 0; i < alive_.size(); ++i) {
       const DepthRecord& depth = out.depth[first + i];
       bool passes = depth.pass == 1;
       if (state_.stencil_test) {
-        std::uint8_t& plane = frame_.stencil[static_cast<std::size_t>(depth.y * frame_.width + depth.x)];
+        std::uint8_t& plane = frame_.stencil[pixel_at(depth.x, depth.y)];
         out.stencil.push_back(stencil(state_, back_, depth, plane));
         plane = static_cast<std::uint8_t>(out.stencil.back().value);
         if (out.stencil.back().pass == 0) ++counters_.stencil_failed;

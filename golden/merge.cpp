@@ -89,7 +89,7 @@ class Merging {
 
   void operator()(std::span<const FogRecord> fogs, std::span<const TextureRecord* const> textures,
                   std::span<const DepthRecord* const> depths, const DrawState& state,
-                  std::span<const std::uint8_t> stored, int width, std::vector<MergeRecord>& out,
+                  std::span<const std::uint8_t> stored, PixelGrid grid, std::vector<MergeRecord>& out,
                   std::vector<MergeAlphaRecord>& alphas) const {
     const std::size_t first = out.size();
     out.resize(first + fogs.size());
@@ -105,7 +105,7 @@ class Merging {
       for (std::size_t i = 0; i < fogs.size(); ++i) {
         const FogRecord& fog = fogs[i];
         MergeRecord& merged = out[first + i];
-        const auto pixel = stored.subspan(color_at(fog, width), 4);
+        const auto pixel = stored.subspan(color_at(fog, grid), 4);
         blending_.color(state, fog, *textures[i], pixel, merged);
         if (!narrow && keeps_alpha(state)) continue;
         const std::int64_t alpha = blending_.alpha(state, *textures[i], pixel[3]);
@@ -121,16 +121,16 @@ class Merging {
       const std::span records = std::span(out).subspan(first + at, n);
       const std::span in = fogs.subspan(at, n);
       const std::span alphas = textures.subspan(at, n);
-      if (quick(in, alphas, stored, width, records)) continue;
+      if (quick(in, alphas, stored, grid, records)) continue;
       for (std::size_t i = 0; i < n; ++i) {
-        blend(in[i], *alphas[i], stored.subspan(color_at(in[i], width), 3), records[i]);
+        blend(in[i], *alphas[i], stored.subspan(color_at(in[i], grid), 3), records[i]);
       }
     }
   }
 
  private:
-  static std::size_t color_at(const FogRecord& fog, int width) {
-    return 4 * static_cast<std::size_t>(fog.y * width + fog.x);
+  static std::size_t color_at(const FogRecord& fog, PixelGrid grid) {
+    return 4 * static_cast<std::size_t>(grid.place(fog.x, fog.y));
   }
 
   void blend(const FogRecord& fog, const TextureRecord& texture, std::span<const std::uint8_t> stored,
@@ -149,7 +149,7 @@ class Merging {
 
   // The colours of all, or false.
   bool quick(std::span<const FogRecord> fogs, std::span<const TextureRecord* const> textures,
-             std::span<const std::uint8_t> stored, int width, std::span<MergeRecord> out) const {
+             std::span<const std::uint8_t> stored, PixelGrid grid, std::span<MergeRecord> out) const {
     if constexpr (std::same_as<Real, double>) {
       if (!quick_.usable) return false;
       const std::size_t n = fogs.size();
@@ -162,7 +162,7 @@ class Merging {
       for (std::size_t c = 0; c < 3; ++c) {
         for (std::size_t i = 0; i < n; ++i) {
           color[c].at[i] = q_in_.value(fogs[i].*in[c]);
-          below.at[i] = stored[color_at(fogs[i], width) + c];
+          below.at[i] = stored[color_at(fogs[i], grid) + c];
         }
         if (lanes_narrow_toward(below, color[c], alpha, q_alpha_.ulp(), 1 / q_alpha_.ulp(), scale, quick_, n,
                                 color[c]) != 0) {

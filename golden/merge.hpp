@@ -6,17 +6,18 @@
 #include <span>
 #include <vector>
 
+#include "engine/frame.hpp"
 #include "engine/records.hpp"
 #include "golden/arithmetic.hpp"
 
 namespace bitspan::golden {
 
-// Takes the colours of fog, the alphas of texture, the codes of depth and the picture's RGBA, `width` pixels
-// per row. Appends a record for each fragment, all of them of one triangle; alphas: where the draw state may
+// Takes the colours of fog, the alphas of texture, the codes of depth and the RGBA of the picture's rows in
+// `grid`. Appends a record for each fragment, all of them of one triangle; alphas: where the draw state may
 // change the stored alpha. They hold what the target will hold. The picture stays as it is.
 using MergeStage = std::function<void(std::span<const FogRecord>, std::span<const TextureRecord* const>,
                                       std::span<const DepthRecord* const>, const DrawState&,
-                                      std::span<const std::uint8_t> stored, int width,
+                                      std::span<const std::uint8_t> stored, PixelGrid grid,
                                       std::vector<MergeRecord>& out, std::vector<MergeAlphaRecord>& alphas)>;
 MergeStage make_merge(Arithmetic arithmetic, const Config& config);
 

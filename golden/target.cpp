@@ -88,9 +88,8 @@ void clear_masked(Frame& frame, const DrawState& state, const Clear& clear, std:
   if (clear.stencil) need_stencil(frame);
   const std::bitset<8> kept = ~std::bitset<8>(static_cast<unsigned>(state.stencil_write));
   for (std::size_t i = 0; i < frame.depth.size(); ++i) {
-    const auto width = static_cast<std::size_t>(frame.width);
-    if (is_outside_scissor(state, static_cast<std::int64_t>(i % width), static_cast<std::int64_t>(i / width)))
-      continue;
+    const auto place = static_cast<std::int64_t>(i);
+    if (is_outside_scissor(state, frame.grid().x_of(place), frame.grid().y_of(place))) continue;
     for (std::size_t c = 0; c < 4; ++c) {
       if (!state.color_write || !std::bitset<4>(static_cast<unsigned>(state.color_mask))[c]) continue;
       std::uint8_t& code = frame.color[4 * i + c];

@@ -201,11 +201,10 @@ void clear_rectangle(const DrawState& s, Frame& frame, const Clear& clear, std::
   const auto write = static_cast<std::uint8_t>(s.stencil_write);
   if (clear.stencil) need_stencil(frame);
   const int right = std::min(s.scissor_right, frame.width);
-  const int bottom = std::min(s.scissor_bottom, frame.height);
-  for (int y = s.scissor_top; y < bottom; ++y) {
+  const int bottom = std::min(s.scissor_bottom, frame.first_row + frame.height);
+  for (int y = std::max(s.scissor_top, frame.first_row); y < bottom; ++y) {
     for (int x = s.scissor_left; x < right; ++x) {
-      const std::size_t at =
-          static_cast<std::size_t>(y) * static_cast<std::size_t>(frame.width) + static_cast<std::size_t>(x);
+      const auto at = static_cast<std::size_t>(frame.grid().place(x, y));
       std::uint8_t* const rgba = frame.color.data() + 4 * at;
       for (int c = 0; clear.color && c < 3; ++c) {
         if (mask.stores(c)) rgba[c] = (*clear.color)[static_cast<std::size_t>(c)];
@@ -498,9 +497,9 @@ void resolve(const Pipeline& pipeline, Frame& frame, Counters& counters, Trace* 
                                                    frame,    counters, finish,  watch};
   for (std::size_t at = 0; at < frame.candidates.size(); ++at) {
     if (frame.candidates[at].a == 0) continue;
-    const auto width = static_cast<std::size_t>(frame.width);
-    const HeldFragment held = held_fragment(frame.candidates[at], static_cast<std::int64_t>(at % width),
-                                            static_cast<std::int64_t>(at / width));
+    const auto place = static_cast<std::int64_t>(at);
+    const HeldFragment held =
+        held_fragment(frame.candidates[at], frame.grid().x_of(place), frame.grid().y_of(place));
     drawing.z = held.depth;
     drawing.texel = held.texture;
     drawing.fogged = held.fog;

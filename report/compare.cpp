@@ -223,7 +223,7 @@ std::uint64_t count_non_trivial(const T* values, std::size_t size) {
 }
 
 template <class T>
-void compare_plane(const std::vector<T>& a, const std::vector<T>& b, std::size_t per_pixel, int width,
+void compare_plane(const std::vector<T>& a, const std::vector<T>& b, std::size_t per_pixel, PixelGrid grid,
                    std::string_view name, Comparison& into) {
   const std::size_t size = std::min(a.size(), b.size());
   into.frame.values += size;
@@ -242,8 +242,8 @@ void compare_plane(const std::vector<T>& a, const std::vector<T>& b, std::size_t
     if (!into.first) {
       const auto pixel = static_cast<std::int64_t>(i / per_pixel);
       into.first = divergence_without_record(DivergenceKind::frame, name, into);
-      into.first->x = pixel % width;
-      into.first->y = pixel / width;
+      into.first->x = grid.x_of(pixel);
+      into.first->y = grid.y_of(pixel);
       into.first->reference = as_raw(a[i]);
       into.first->other = as_raw(b[i]);
     }
@@ -337,13 +337,13 @@ void compare_frames(const Frame& reference, const Frame& other, Comparison& into
     return static_cast<std::uint64_t>(f.width) * static_cast<std::uint64_t>(f.height);
   };
   into.frame.records += std::min(pixels(reference), pixels(other));
-  const int width = std::max(1, reference.width);
-  compare_plane(reference.depth, other.depth, 1, width, "depth", into);
-  compare_plane(reference.triangle, other.triangle, 1, width, "triangle", into);
-  compare_plane(reference.u, other.u, 1, width, "u", into);
-  compare_plane(reference.v, other.v, 1, width, "v", into);
-  compare_plane(reference.color, other.color, 4, width, "color", into);
-  compare_plane(reference.stencil, other.stencil, 1, width, "stencil", into);
+  const PixelGrid grid{std::max(1, reference.width), reference.first_row};
+  compare_plane(reference.depth, other.depth, 1, grid, "depth", into);
+  compare_plane(reference.triangle, other.triangle, 1, grid, "triangle", into);
+  compare_plane(reference.u, other.u, 1, grid, "u", into);
+  compare_plane(reference.v, other.v, 1, grid, "v", into);
+  compare_plane(reference.color, other.color, 4, grid, "color", into);
+  compare_plane(reference.stencil, other.stencil, 1, grid, "stencil", into);
 }
 
 void compare_counters(const Counters& reference, const Counters& other, Comparison& into) {

@@ -20,7 +20,7 @@ template <class T>
 struct FragmentBlock {
   static constexpr std::size_t padded = block_size + column_slack;
   std::size_t size = 0;
-  alignas(64) std::int32_t pixel[padded];  // y width + x
+  alignas(64) std::int32_t pixel[padded];  // its place in the frame's planes
   alignas(64) std::int32_t z[padded];      // depth code, to be stored with the colour
   alignas(64) T u[padded];
   alignas(64) T v[padded];

@@ -121,13 +121,13 @@ struct GradientLod {
   }
 };
 
-// What scalar stages behind the depth test read of fragment k; width: of the frame.
+// What scalar stages behind the depth test read of fragment k; grid: of the frame.
 template <class T>
-FragmentRecord fragment_of(const FragmentBlock<T>& block, std::size_t k, int width) {
+FragmentRecord fragment_of(const FragmentBlock<T>& block, std::size_t k, PixelGrid grid) {
   FragmentRecord f;
   f.triangle = block.triangle[k];
-  f.x = block.pixel[k] % width;
-  f.y = block.pixel[k] / width;
+  f.x = grid.x_of(block.pixel[k]);
+  f.y = grid.y_of(block.pixel[k]);
   f.h = block.h[k];
   f.u = block.u[k];
   f.v = block.v[k];
@@ -139,11 +139,11 @@ inline DistanceRecord distance_of(const Pipeline& pipeline, const FragmentRecord
   return out;
 }
 
-// width: of the frame; levels: of the block's texture and of the second unit's, 1 where there is none.
+// grid: of the frame; levels: of the block's texture and of the second unit's, 1 where there is none.
 template <class T>
 HWY_NOINLINE void find_levels(const Pipeline& pipeline, const FragmentBlock<T>& block,
-                              const std::array<int, 2>& levels, const TriangleGradients& gradients, int width,
-                              std::array<LevelColumns<T>, 2>& out) {
+                              const std::array<int, 2>& levels, const TriangleGradients& gradients,
+                              PixelGrid grid, std::array<LevelColumns<T>, 2>& out) {
   GradientLod lod{pipeline.lod};
   const std::size_t units = pipeline.texture_second.is_on() ? 2 : 1;
   if (units == 1) {
@@ -201,7 +201,7 @@ HWY_NOINLINE void find_levels(const Pipeline& pipeline, const FragmentBlock<T>& 
       run.template operator()<WideLanes>();
     } else {
       for (std::size_t k = first; k < end; ++k) {
-        const FragmentRecord f = fragment_of(block, k, width);
+        const FragmentRecord f = fragment_of(block, k, grid);
         const DistanceRecord far = distance_of(pipeline, f);
         LodRecord record;
         model::lod(pipeline.lod, f, gradient, far, levels[0], record);

@@ -393,13 +393,15 @@ HWY_INLINE Lanes32 zones_at(const std::uint8_t* zones, const std::int32_t* pixel
 
 template <class T>
 HWY_INLINE void table_factors(const FogStage& stage, const ShadePlan& plan, const FragmentBlock<T>& block,
-                              ShadeColumns<T>& out) {
+                              PixelGrid grid, ShadeColumns<T>& out) {
+  // Of the whole picture, as seen from the grid's first pixel.
+  const std::uint8_t* zones = plan.zones.data() + std::int64_t{grid.first_row} * grid.width;
   const std::int32_t* table = plan.fog_table32.data();
   const Lanes32 last(static_cast<std::int32_t>(stage.table.size() - 1));
   for (std::size_t i = 0; i < block.size; i += Lanes32::count) {
     // Lanes past the end hold anything.
     const Lanes32 step = Lanes32::load(block.fog_step + i);
-    const Lanes32 zone = zones_at(plan.zones.data(), block.pixel + i, block.size - i);
+    const Lanes32 zone = zones_at(zones, block.pixel + i, block.size - i);
     const Lanes32 index = fog_index(stage, step, zone) & last;
     index.store(out.index + i);
     if constexpr (sizeof(T) == 4) {
@@ -449,11 +451,11 @@ struct ShadeFields {
 
 template <class T>
 void append(const ShadeFields& f, const FragmentBlock<T>& block, std::size_t at, std::size_t lanes,
-            const std::int32_t* index, int width, Trace& trace) {
+            const std::int32_t* index, PixelGrid grid, Trace& trace) {
   for (std::size_t l = 0; l < lanes && at + l < block.size; ++l) {
     const std::int64_t triangle = block.triangle[at + l];
-    const std::int64_t x = block.pixel[at + l] % width;
-    const std::int64_t y = block.pixel[at + l] / width;
+    const std::int64_t x = grid.x_of(block.pixel[at + l]);
+    const std::int64_t y = grid.y_of(block.pixel[at + l]);
     trace.texture.push_back({triangle, x, y, f.i[l], f.j[l], f.ex[l], f.ey[l], f.texel[0][l], f.texel[1][l],
                              f.texel[2][l], f.texel[3][l], f.color[0][l], f.color[1][l], f.color[2][l],
                              f.color[3][l], f.killed[l]});
@@ -698,7 +700,7 @@ HWY_NOINLINE void shade_block(const Pipeline& pipeline, const ShadePlan& plan, c
         store_to(own[c], f.fogged[c]);
         store_to(merged[c], f.merged[c]);
       }
-      append(f, block, at, lanes, has_fog_table(fog) ? out.index : nullptr, frame.width, *trace);
+      append(f, block, at, lanes, has_fog_table(fog) ? out.index : nullptr, frame.grid(), *trace);
     }
   }
   counters.killed += killed;
@@ -803,11 +805,11 @@ void colours(const Pipeline& pipeline, const ShadePlan& plan, int texture, const
 }
 
 template <class T, const ShadeFormats* fixed>
-void fog_factors(const Pipeline& pipeline, const ShadePlan& plan, const FragmentBlock<T>& block, bool traced,
-                 ShadeColumns<T>& columns) {
+void fog_factors(const Pipeline& pipeline, const ShadePlan& plan, const FragmentBlock<T>& block,
+                 PixelGrid grid, bool traced, ShadeColumns<T>& columns) {
   const FogMode fog = pipeline.fog.mode;
   if (has_fog_table(fog)) {
-    table_factors(pipeline.fog, plan, block, columns);
+    table_factors(pipeline.fog, plan, block, grid, columns);
   }
   if (has_vertex_fog(fog)) std::copy_n(block.fog_factor, block.size, columns.factor);
   if constexpr (sizeof(T) == 4) {
@@ -824,7 +826,7 @@ void shade_watched(const Pipeline& pipeline, const ShadePlan& plan, const BlockD
                    const FragmentBlock<T>& block, Frame& frame, Counters& counters, Trace* trace,
                    Watch watch) {
   ShadeColumns<T> columns;
-  fog_factors<T, fixed>(pipeline, plan, block, trace != nullptr, columns);
+  fog_factors<T, fixed>(pipeline, plan, block, frame.grid(), trace != nullptr, columns);
   colours<T, fixed>(pipeline, plan, draw.texture, block, frame, columns, counters, trace, watch);
   store_pixels(columns.word, block.pixel, block.size, alpha_byte, 0, frame.color.data(), columns.word);
   if (draw.store_depth) {
@@ -941,12 +943,12 @@ void find_texels(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFor
 // The brightness per pixel in lanes; second: where light takes texels. Wide: what the square of a channel's
 // normal fits.
 template <class Wide, class T>
-void brighten_block(const Pipeline& pipeline, const FragmentBlock<T>& block, int width,
+void brighten_block(const Pipeline& pipeline, const FragmentBlock<T>& block, PixelGrid grid,
                     const SecondColumns* second, T* out) {
   const LightStage& light = pipeline.light;
   const ChannelStage& channels = pipeline.channels;
   const bool own = channels.second_at >= 0;
-  const auto wide = hn::Set(hn::ScalableTag<double>(), static_cast<double>(width));
+  const auto wide = hn::Set(hn::ScalableTag<double>(), static_cast<double>(grid.width));
   constexpr NoObserve watch;
   for (std::size_t k = 0; k < block.size; k += Lanes::count) {
     const auto active = first<Lanes>(block.size - k);
@@ -961,7 +963,8 @@ void brighten_block(const Pipeline& pipeline, const FragmentBlock<T>& block, int
     if (light.takes_place && (!light.has_map || light.falls)) {
       const Lanes pixel = at(block.pixel);
       y = to_int(hn::Div(to_double(pixel), wide));  // exact: both have 31 bits at most
-      x = pixel - y * Lanes(width);
+      x = pixel - y * Lanes(grid.width);
+      y = y + Lanes(grid.first_row);
       s = distance_point<Lanes>(pipeline.distance, at(block.h), watch).s;
     }
     const auto from_here = [&]<class Product>() HWY_ATTR {
@@ -989,10 +992,10 @@ void brighten_block(const Pipeline& pipeline, const FragmentBlock<T>& block, int
   }
 }
 
-// The brightness of a block's fragments; width: of the frame; second: where light takes texels.
+// The brightness of a block's fragments; grid: of the frame; second: where light takes texels.
 template <class T>
-void light_block(const Pipeline& pipeline, const ShadePlan& plan, const FragmentBlock<T>& block, int width,
-                 const SecondColumns* second, T* out) {
+void light_block(const Pipeline& pipeline, const ShadePlan& plan, const FragmentBlock<T>& block,
+                 PixelGrid grid, const SecondColumns* second, T* out) {
   const ChannelStage& channels = pipeline.channels;
   if (channels.light_at >= 0) {
     const std::int64_t* const values = block.channel[channels.light_at];
@@ -1000,14 +1003,14 @@ void light_block(const Pipeline& pipeline, const ShadePlan& plan, const Fragment
     return;
   }
   if (plan.holds_brightness) {
-    plan.normals_fit_int64 ? brighten_block<Lanes>(pipeline, block, width, second, out)
-                           : brighten_block<WideLanes>(pipeline, block, width, second, out);
+    plan.normals_fit_int64 ? brighten_block<Lanes>(pipeline, block, grid, second, out)
+                           : brighten_block<WideLanes>(pipeline, block, grid, second, out);
     return;
   }
   LightRecord record;
   TextureRecord texel{};
   for (std::size_t k = 0; k < block.size; ++k) {
-    const FragmentRecord fragment = fragment_of(block, k, width);
+    const FragmentRecord fragment = fragment_of(block, k, grid);
     const auto channel = [&](int at) {
       const auto* const of = block.channel + at;
       return std::array{of[0][k], of[1][k], of[2][k]};
@@ -1048,9 +1051,9 @@ void colours_any(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFor
                  BlockUnits<T> units, const FragmentBlock<T>& block, const Frame& frame,
                  ShadeColumns<T>& columns, Counters& counters) {
   const FogMode fog = pipeline.fog.mode;
-  fog_factors<T, nullptr>(pipeline, plan, block, false, columns);
+  fog_factors<T, nullptr>(pipeline, plan, block, frame.grid(), false, columns);
   for (std::size_t k = 0; takes_distance(fog) && k < block.size; ++k) {
-    const FragmentRecord fragment = fragment_of(block, k, frame.width);
+    const FragmentRecord fragment = fragment_of(block, k, frame.grid());
     columns.factor[k] =
         static_cast<T>(fog_factor(pipeline.fog, fragment, distance_of(pipeline, fragment)).factor);
   }
@@ -1059,7 +1062,7 @@ void colours_any(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFor
     if (takes_texel(pipeline.light)) {
       SecondColumns second;
       find_texels<Int>(pipeline, plan, formats, units, block, second, watch);
-      light_block(pipeline, plan, block, frame.width, &second, brightness);
+      light_block(pipeline, plan, block, frame.grid(), &second, brightness);
       units.brightness = brightness;
     }
     shade_block<Int, ImageKind::any, nullptr, true>(pipeline, plan, formats, fog, units, block, frame,
@@ -1130,7 +1133,7 @@ void colours_of_levels(const Pipeline& pipeline, const ShadePlan& plan, const Sh
                ? 1
                : static_cast<int>(pipeline.mip_chains.all()[static_cast<std::size_t>(texture)].size());
   };
-  find_levels(pipeline, block, {levels_of(textures[0]), levels_of(textures[1])}, gradients, frame.width,
+  find_levels(pipeline, block, {levels_of(textures[0]), levels_of(textures[1])}, gradients, frame.grid(),
               any.levels);
   // A projector's coordinates have the texture itself.
   if (units.projected != nullptr) std::fill_n(any.levels[1].level, block.size, 0);
@@ -1183,7 +1186,7 @@ void shade_units(const Pipeline& pipeline, const ShadePlan& plan, const ShadeFor
   }
   HWY_ALIGN T brightness[FragmentBlock<T>::padded];
   if (pipeline.light.is_on && !takes_texel(pipeline.light)) {
-    light_block(pipeline, plan, block, frame.width, nullptr, brightness);
+    light_block(pipeline, plan, block, frame.grid(), nullptr, brightness);
     units.brightness = brightness;
   }
   if (pipeline.has_lod && (textures[0] >= 0 || textures[1] >= 0)) {
@@ -1250,7 +1253,7 @@ void shade_any(const Pipeline& pipeline, const ShadePlan& plan, const BlockDraw&
       std::memcpy(codes.data(), &columns.word[i], 3);
       if (pipeline.merge.changes_alpha) {
         codes[3] = static_cast<std::uint8_t>(columns.alpha[i]);
-        codes = held(pipeline.merge, codes, pixel % frame.width, pixel / frame.width);
+        codes = held(pipeline.merge, codes, frame.grid().x_of(pixel), frame.grid().y_of(pixel));
       }
       if (writes_every_channel) {
         std::memcpy(color, codes.data(), codes.size());

@@ -46,7 +46,7 @@ MergeRecord merged_onto(const std::array<std::uint8_t, 3>& stored, Arithmetic ar
   std::vector<MergeRecord> out;
   std::vector<MergeAlphaRecord> alphas;
   make_merge(arithmetic, c)({&fog, 1}, {&texture, 1}, {&depth, 1}, first_state(c), picture,
-                            static_cast<int>(pixels), out, alphas);
+                            {static_cast<int>(pixels)}, out, alphas);
   EXPECT_TRUE(alphas.empty());
   return out.at(0);
 }
@@ -342,7 +342,7 @@ void depth_codes_by_hand(Arithmetic arithmetic) {
     c.depth_rounding = Rounding::rnd;
     const auto code_stored = static_cast<std::uint32_t>(stored);
     std::vector<DepthRecord> out;
-    make_depth(arithmetic, c, k)({&f, 1}, gradient, first_state(c), {&code_stored, 1}, 1, out);
+    make_depth(arithmetic, c, k)({&f, 1}, gradient, first_state(c), {&code_stored, 1}, {1}, out);
     return out.at(0);
   };
   EXPECT_EQ(run(DepthCode::inverse, 1000).z, 1001);

@@ -146,7 +146,7 @@ TEST(Depth, FloatingPointOfWInCoarseRegisters) {
       model::depth(depth.stage, fragment, &depth.gradient, 0, own);
       const std::uint32_t stored = 0;
       std::vector<DepthRecord> out;
-      in_golden({&fragment, 1}, depth.gradient, first_state(c), {&stored, 1}, 1, out);
+      in_golden({&fragment, 1}, depth.gradient, first_state(c), {&stored, 1}, {1}, out);
       ASSERT_EQ(out.at(0).z, own.z) << coarse << " " << i;
       seen.insert(own.z);
     }
@@ -327,7 +327,7 @@ TEST(PackedDepth, EveryZOfEighteenBits) {
          {golden::Arithmetic{golden::Width::x87, true}, golden::Arithmetic{golden::Width::f64, false}}) {
       std::vector<DepthRecord> out;
       golden::make_depth(arithmetic, depth.config, constants)(fragments, depth.gradient,
-                                                              first_state(depth.config), stored, side, out);
+                                                              first_state(depth.config), stored, {side}, out);
       ASSERT_EQ(out.size(), fragments.size());
       std::int64_t last = 0;
       std::size_t passed = 0;
@@ -457,7 +457,7 @@ TEST(DepthFunc, EveryOrderOfEveryCode) {
           const auto buffer = static_cast<std::uint32_t>(stored);
           std::vector<DepthRecord> out;
           golden::make_depth({golden::Width::x87, true}, depth.config, constants)(
-              {&fragment, 1}, depth.gradient, first_state(depth.config), {&buffer, 1}, 1, out);
+              {&fragment, 1}, depth.gradient, first_state(depth.config), {&buffer, 1}, {1}, out);
           EXPECT_EQ(out.at(0).z, z);
           EXPECT_EQ(out.at(0).pass, expected)
               << "golden, " << name_of(depth.config) << ": " << z << " " << stored;

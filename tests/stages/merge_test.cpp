@@ -119,7 +119,7 @@ Merged by_golden(const golden::MergeStage& stage, const DrawState& state, Fragme
   const std::array<const DepthRecord*, 1> depths{&depth};
   std::vector<MergeRecord> out;
   std::vector<MergeAlphaRecord> alphas;
-  stage({&fog, 1}, textures, depths, state, stored, 1, out, alphas);
+  stage({&fog, 1}, textures, depths, state, stored, {1}, out, alphas);
   return {out.at(0), alphas.empty() ? -1 : alphas.at(0).a};
 }
 

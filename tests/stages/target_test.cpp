@@ -64,7 +64,7 @@ class Merging {
     alphas_.clear();
     const std::array<const TextureRecord*, 1> textures{&texture};
     const std::array<const DepthRecord*, 1> depths{&depth};
-    golden_({&fog, 1}, textures, depths, state_, picture_, width, colors_, alphas_);
+    golden_({&fog, 1}, textures, depths, state_, picture_, {width}, colors_, alphas_);
     EXPECT_EQ(colors_.at(0), color);
     EXPECT_EQ(alphas_.empty() ? -1 : alphas_[0].a, alpha.a);
     return {static_cast<int>(color.r), static_cast<int>(color.g), static_cast<int>(color.b),

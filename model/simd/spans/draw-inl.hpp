@@ -40,6 +40,7 @@ void draw(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std::span<
   const FormatsOf<DepthFormats, fixed_depth> depth_formats(stage.formats);
   const DepthFormats& df = *depth_formats;
   constexpr DepthFunc less = DepthFunc::less;
+  const PixelGrid grid = frame.grid();
   const bool only_nearer = passes_only_nearer(stage.func);
   find_ramps<fixed>(pipeline.span.formats, spans, work.ramps);
   Filler<T, Watch, fixed> filler(pipeline, work, sink);
@@ -62,7 +63,7 @@ void draw(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std::span<
     for (std::size_t p = 0; p < passed.pieces; ++p) {
       const auto i = static_cast<std::size_t>(passed.piece[p].span);
       const auto n = static_cast<std::size_t>(passed.piece[p].n);
-      const std::int64_t first_pixel = rows[i] * frame.width + columns[i];
+      const std::int64_t first_pixel = grid.place(columns[i], rows[i]);
       // Vectors look past the end, where the next span's places are: those of this one are taken there.
       HWY_ALIGN std::int32_t place[block_size + column_slack];
       for (std::size_t k = 0; k < n; k += Lanes32::count) {
@@ -86,7 +87,7 @@ void draw(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std::span<
   for (std::size_t i = 0; i < spans.size; ++i) {
     const std::size_t ahead = i + spans_ahead;
     if (ahead < spans.size) {
-      fetch_depth(frame, rows[ahead] * frame.width + columns[ahead], counts[ahead]);
+      fetch_depth(frame, grid.place(columns[ahead], rows[ahead]), counts[ahead]);
       __builtin_prefetch(&draws[static_cast<std::size_t>(triangles[ahead] - first_index)]);
     }
     const bool shared = draws[static_cast<std::size_t>(triangles[i] - first_index)].shared;
@@ -98,7 +99,7 @@ void draw(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std::span<
     last_triangle = triangles[i];
     last_shared = shared;
     const auto count = static_cast<std::size_t>(counts[i]);
-    std::uint32_t* const stored = frame.depth.data() + rows[i] * frame.width + columns[i];
+    std::uint32_t* const stored = frame.depth.data() + grid.place(columns[i], rows[i]);
     tested += count;
     const Sequence ramp{h_starts[i], h_increments[i], nullptr};
     for (std::size_t from = 0; from < count; from += block_size) {

@@ -209,7 +209,7 @@ void draw_every(const Pipeline& pipeline, const Columns<SpanRecord>& spans, std:
       depth.triangle = triangle;
       depth.x = fragment.x;
       depth.y = y;
-      const auto pixel = static_cast<std::size_t>(y * frame.width + fragment.x);
+      const auto pixel = pixel_of(frame, fragment);
       depth.stored = frame.depth[pixel];
       depth.pass = depth_passes(pipeline.depth.formats, pipeline.depth.func, depth.z, depth.stored) ? 1 : 0;
       if (trace != nullptr) {
