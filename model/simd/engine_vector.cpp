@@ -280,12 +280,15 @@ class Drawing {
       const WriteMask mask = write_mask(pipeline_.state);
       const bool writes_depth_alone = mask.depth && !mask.color && kills_by_alpha_alone(pipeline_) &&
                                       pipeline_.channels.shades_at < 0;  // a quotient may differ
+      const bool replaces = mask.color && replaces_pixels(plan_, pipeline_);
       for (std::size_t i = 0; i < triangles.size(); ++i) {
         const Surface surface = surface_of(pipeline_, triangles[i]);
         const int texture = surface.texture < 0 ? -1 : surface.texture;
+        const bool opaque = (writes_depth_alone || replaces) && is_opaque(triangles[i], texture);
         draws_[i] = {.texture = texture,
+                     .shared = replaces && opaque,
                      .back = surface.back,
-                     .is_unseen = writes_depth_alone && is_opaque(triangles[i], texture)};
+                     .is_unseen = writes_depth_alone && opaque};
         if (has_dz(pipeline_.depth.formats.code)) {
           draws_[i].log2_dz = log2_of_dz(pipeline_.depth.formats, gradients_.of[i]);
         }
@@ -413,7 +416,7 @@ class VectorModel {
       }
       return;
     }
-    select_textures(plan_, run_.pipeline, *run_.scene);
+    select_textures(plan_, run_.pipeline, *run_.scene, triangles);
     if (run_.pipeline.texture_second.is_on()) prepare_second_texture(plan_);
     const auto draw_chunk = [&](std::size_t at, std::size_t n) {
       std::visit(

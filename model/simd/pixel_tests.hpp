@@ -11,16 +11,17 @@
 
 namespace bitspan::model {
 
+// Whether a comparison of depth codes alone decides about a pixel.
+inline bool depth_decides_alone(const Pipeline& pipeline) {
+  return !pipeline.stencil.test && !pipeline.masks_pixels && !has_dz(pipeline.depth.formats.code);
+}
+
 struct PixelTests {
   const Pipeline& pipeline;
   bool back = false;  // of a back face
   Frame& frame;
   Counters& counters;
 
-  // Whether a comparison of depth codes alone decides about a pixel.
-  bool depth_alone() const {
-    return !pipeline.stencil.test && !pipeline.masks_pixels && !has_dz(pipeline.depth.formats.code);
-  }
   // Scissor and stipple. Counts masked.
   bool is_drawn(std::int64_t x, std::int64_t y) const {
     if (!pipeline.masks_pixels || model::is_drawn(pipeline.state, x, y)) return true;

@@ -594,7 +594,7 @@ HWY_NOINLINE void shade_block(const Pipeline& pipeline, const ShadePlan& plan, c
                                  load_as<V>(block.a + at)};
     const V u = load_as<V>(block.u + at);
     const V v = load_as<V>(block.v + at);
-    const auto first_found = [&]() HWY_ATTR {
+    const auto first_found = [&]() HWY_ATTR __attribute__((always_inline)) {
       if constexpr (any_state) {
         return found<Int>(formats.texture, units.images[0], image, coarser, units.shares[0] + at, u, v,
                           watch);
@@ -1265,7 +1265,7 @@ void shade_any(const Pipeline& pipeline, const ShadePlan& plan, const BlockDraw&
     }
   }
   if (mask.color && !frame.u.empty()) store_winners(columns, block, pipeline.texture.uv, frame);
-  if (mask.depth) {
+  if (mask.depth && draw.store_depth) {
     store_pixels(block.z, block.pixel, block.size, 0, 0, frame.depth.data(), columns.word);
   }
 }

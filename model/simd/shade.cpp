@@ -21,6 +21,7 @@ HWY_AFTER_NAMESPACE();
 #include <cmath>
 
 #include "model/numeric/ratio.hpp"
+#include "model/simd/pixel_tests.hpp"
 #include "model/simd/targets.hpp"
 
 namespace bitspan::model {
@@ -361,6 +362,7 @@ void prepare_texture(const ShadePlan& plan, const Pipeline& pipeline, const Scen
                      ShadeTextures& to) {
   ShadeTexture& image = to.whole[index];
   image = prepare_image(plan.formats.texture, to.by, scene.textures[index], to.compared);
+  image.is_ready = true;
   image.never_killed =
       !image.has_reserved && std::none_of(image.words.begin(), image.words.end() - 2,
                                           [&](std::uint32_t word) { return plan.alpha64[word >> 24] == 0; });
@@ -372,16 +374,14 @@ void prepare_texture(const ShadePlan& plan, const Pipeline& pipeline, const Scen
   }
 }
 
-// Returns the index of the textures that are looked up so, which are made where there are none.
+// Returns the index of the textures that are looked up so, of which none is ready at first.
 std::size_t textures_by(ShadePlan& plan, const Pipeline& pipeline, const Scene& scene, const TexelLookup& by,
                         bool compared) {
   const auto known = std::ranges::find_if(
       plan.textures, [&](const ShadeTextures& t) { return t.by == by && t.compared == compared; });
   if (known == plan.textures.end()) {
-    ShadeTextures next{by, compared, std::vector<ShadeTexture>(scene.textures.size()),
-                       std::vector<std::vector<ShadeTexture>>(pipeline.mip_chains.all().size())};
-    for (std::size_t i = 0; i < next.whole.size(); ++i) prepare_texture(plan, pipeline, scene, i, next);
-    plan.textures.push_back(std::move(next));
+    plan.textures.push_back({by, compared, std::vector<ShadeTexture>(scene.textures.size()),
+                             std::vector<std::vector<ShadeTexture>>(pipeline.mip_chains.all().size())});
     return plan.textures.size() - 1;
   }
   return static_cast<std::size_t>(known - plan.textures.begin());
@@ -435,7 +435,6 @@ ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Sc
   if (fits_int32(plan.alpha64)) {
     plan.alpha32.assign(plan.alpha64.begin(), plan.alpha64.end());
   }
-  select_textures(plan, pipeline, scene);
   prepare_view(plan, pipeline, config, scene);
   ShadePlan::ShadeChain& chain = plan.chain;
   chain.edges = !has_plane_rows(config.perspective) && !has_setup_plane(config);
@@ -454,20 +453,40 @@ void update_shade(ShadePlan& plan, const Pipeline& pipeline, const Config& confi
   for (ShadeTextures& textures : plan.textures) {
     for (std::size_t i = 0; i < textures.whole.size(); ++i) {
       textures.whole[i].source = &scene->textures[i];
-      if (scene.texture_version(i) > since) prepare_texture(plan, pipeline, *scene, i, textures);
+      if (scene.texture_version(i) > since) textures.whole[i].is_ready = false;
     }
   }
   if (scene.view_version() > since) prepare_view(plan, pipeline, config, *scene);
 }
 
-void select_textures(ShadePlan& plan, const Pipeline& pipeline, const Scene& scene) {
+void need_texture(ShadePlan& plan, const Pipeline& pipeline, const Scene& scene, std::size_t unit,
+                  int texture) {
+  if (texture < 0 || texture >= std::ssize(scene.textures)) return;
+  const auto index = static_cast<std::size_t>(texture);
+  for (const std::size_t set : {plan.of_unit[unit], plan.magnified_of_unit[unit]}) {
+    ShadeTextures& textures = plan.textures[set];
+    if (!textures.whole[index].is_ready) prepare_texture(plan, pipeline, scene, index, textures);
+  }
+}
+
+void select_textures(ShadePlan& plan, const Pipeline& pipeline, const Scene& scene,
+                     std::span<const Triangle> triangles) {
   const auto select = [&](std::size_t unit, const TextureStage& stage, bool compared) {
     plan.of_unit[unit] = textures_by(plan, pipeline, scene, stage.lookup, compared);
     plan.magnified_of_unit[unit] = textures_by(plan, pipeline, scene, stage.magnified, compared);
   };
   select(0, pipeline.texture, false);
   const TextureSecondStage& second = pipeline.texture_second;
-  if (second.is_on()) select(1, second.fetch, second.compares);
+  if (second.is_on()) {
+    select(1, second.fetch, second.compares);
+    need_texture(plan, pipeline, scene, 1, pipeline.state.texture1);
+  }
+  int last = -1;
+  for (const Triangle& triangle : triangles) {
+    if (triangle.texture == last) continue;
+    last = triangle.texture;
+    need_texture(plan, pipeline, scene, 0, last);
+  }
 }
 
 void prepare_second_texture(ShadePlan& plan) {
@@ -499,11 +518,24 @@ std::int64_t alpha_of(const ShadePlan& plan, std::int64_t shade) {
   return quantize(one * value_of(shade, stage.shade), stage.alpha, NoObserve{});
 }
 
+namespace {
+
+// Whether a texture and its levels are opaque, and no texel of theirs kills.
+bool hides(const ShadeTextures& textures, int texture) {
+  const auto index = static_cast<std::size_t>(texture);
+  const auto image_hides = [](const ShadeTexture& image) {
+    return image.opaque && image.never_killed && !image.has_reserved;
+  };
+  return image_hides(textures.whole[index]) &&
+         (textures.levels.empty() || std::ranges::all_of(textures.levels[index], image_hides));
+}
+
+}  // namespace
+
 bool may_show_through(const ShadePlan& plan, int texture, std::int64_t a0, std::int64_t a1, std::int64_t a2) {
   if (a0 != a1 || a1 != a2) return true;
-  if (texture >= 0) {
-    const ShadeTexture& image = plan.textures_of(0).whole[static_cast<std::size_t>(texture)];
-    if (!image.opaque || !image.never_killed) return true;
+  if (texture >= 0 && !(hides(plan.textures_of(0), texture) && hides(plan.magnified_of(0), texture))) {
+    return true;
   }
   return alpha_of(plan, constant_shade(plan, a0)) < HWY_STATIC_DISPATCH(opaque_alpha)(plan.formats.merge);
 }
@@ -512,6 +544,21 @@ bool kills_by_alpha_alone(const Pipeline& pipeline) {
   const TextureStage& stage = pipeline.texture;
   return stage.is_last && stage.alpha_test.func == CompareFunc::always && !pipeline.has_lod &&
          stage.chroma.test == ChromaTest::none;
+}
+
+bool replaces_pixels(const ShadePlan& plan, const Pipeline& pipeline) {
+  const DrawState& state = pipeline.state;
+  const TextureStage& first = pipeline.texture;
+  const TextureSecondStage& second = pipeline.texture_second;
+  if (is_late(state.depth_when) || !depth_decides_alone(pipeline) || !write_mask(state).depth) return false;
+  if (first.alpha_test.func != CompareFunc::always || first.chroma.test != ChromaTest::none ||
+      pipeline.channels.shades_at >= 0 || !pipeline.merge.is_plain) {
+    return false;
+  }
+  // What a comparison gives is opaque, as what lies outside of a projected texture.
+  const int texture = state.texture1;
+  return !second.is_on() || second.compares ||
+         (hides(plan.textures_of(1), texture) && hides(plan.magnified_of(1), texture));
 }
 
 template <>

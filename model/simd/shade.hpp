@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "config/config.hpp"
@@ -47,6 +48,7 @@ struct ShadeTexture {
   std::int32_t width = 0, height = 0;
   std::int32_t border_u = 0, border_v = 0;  // columns before column 0, rows before row 0
   std::int32_t stride = 0;                  // words per row
+  bool is_ready = false;                    // what follows is of the source as it is now
   bool has_reserved = false;                // some texel has the reserved colour
   bool opaque = false;                      // every texel's alpha is 255
   bool never_killed = false;         // no texel has the reserved colour or an alpha of 0 on texture.alpha
@@ -63,7 +65,7 @@ struct ShadeTextures {
   std::vector<std::vector<ShadeTexture>> levels;  // of each, from level 1 on; empty without mip chains
 };
 
-// Prepared once per scene, which must outlive it.
+// Prepared once per scene, which must outlive it; textures when they are drawn with.
 struct ShadePlan {
   ShadeLanes held_in = ShadeLanes::scalar;
   bool holds_any = false;     // what shade_any computes besides fits the same lanes
@@ -109,8 +111,12 @@ ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Sc
 // Brings the plan to what the scene has become since that version of it; the pipeline is there already.
 void update_shade(ShadePlan& plan, const Pipeline& pipeline, const Config& config, const DrawnScene& scene,
                   std::uint64_t since);
-// To be called before a block is shaded in another draw state, which the pipeline has.
-void select_textures(ShadePlan& plan, const Pipeline& pipeline, const Scene& scene);
+// To be called before blocks of these triangles are shaded in a draw state, which the pipeline has.
+void select_textures(ShadePlan& plan, const Pipeline& pipeline, const Scene& scene,
+                     std::span<const Triangle> triangles);
+// Makes a texture ready for a unit of the state that was selected, if it is not; its number may be anything.
+void need_texture(ShadePlan& plan, const Pipeline& pipeline, const Scene& scene, std::size_t unit,
+                  int texture);
 // The same of a state with a second texture, where plan.holds_second.
 void prepare_second_texture(ShadePlan& plan);
 
@@ -122,12 +128,14 @@ std::int64_t constant_shade(const ShadePlan& plan, std::int64_t vertex);
 // span.shade.
 std::int64_t alpha_of(const ShadePlan& plan, std::int64_t shade);
 
-// False only where every fragment of a triangle is opaque and none can be killed. a0, a1, a2: the vertices'
-// alphas, raw, setup.shade; texture: -1 for none.
+// False only where every fragment of a triangle is opaque and none can be killed, at any level. a0, a1, a2:
+// the vertices' alphas, raw, setup.shade; texture: -1 for none.
 bool may_show_through(const ShadePlan& plan, int texture, std::int64_t a0, std::int64_t a1, std::int64_t a2);
 
 // Whether nothing but a texel's alpha, or the fragment's own, can kill a fragment in this draw state.
 bool kills_by_alpha_alone(const Pipeline& pipeline);
+// Whether every opaque fragment in this draw state takes its pixel over, whatever was there: its depth, too.
+bool replaces_pixels(const ShadePlan& plan, const Pipeline& pipeline);
 
 // The gradients of triangles, by their input indices from `first_index` on.
 struct TriangleGradients {

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -24,7 +25,7 @@ namespace bitspan::model {
 struct SpanDraw {
   std::int32_t texture = -1;
   // None of its fragments can be killed and all are opaque: they may share a block with other triangles', and
-  // their depth is stored when it is tested.
+  // their depth is stored when it is tested. In another state than the first one depth alone decides besides.
   bool shared = false;
   bool back = false;       // a back face; told only where the stencil test asks
   bool is_unseen = false;  // none of its fragments can be killed, and the draw state writes depth alone
@@ -62,6 +63,26 @@ struct SpanWork {
   PerChannel<std::vector<std::int64_t>> channel_values;  // the same of channels
   Columns<FragmentRecord> fragments{0};
   Columns<DepthRecord> depths{0};
+
+  // Who had a pixel of some rows last, by numbers of spans, and the pieces of shared spans that wait until
+  // that is known.
+  std::vector<std::int32_t> owners;
+  struct Piece {
+    std::size_t span, from, to;
+  };
+  std::vector<Piece> owning;
+  // Returns the number of the first of n spans of so many pixels, which no pixel has yet.
+  std::int32_t number_spans(std::size_t pixels, std::size_t n) {
+    if (numbered + n > std::numeric_limits<std::int32_t>::max()) {
+      owners.clear();
+      numbered = 0;
+    }
+    if (owners.size() < pixels) owners.resize(pixels, -1);
+    const auto first = static_cast<std::int32_t>(numbered);
+    numbered += n;
+    return first;
+  }
+  std::size_t numbered = 0;
 };
 
 template <class T>
@@ -70,9 +91,9 @@ struct SpanKernels {
   // index, first_index the one of draws[0]. Counts fragments, covered, depth_passed, divides_pixel.
   void (*draw)(const Pipeline&, const Columns<SpanRecord>& spans, std::span<const SpanDraw> draws,
                std::int64_t first_index, SpanWork<T>&, Frame&, Counters&, BlockSink<T>&) = nullptr;
-  // The same in any draw state, of formats read at run time, and with channels. No draw is shared; one that
-  // is unseen gives no block. Counts masked, stencil_failed and what of unseen draws is written, too; where
-  // the tests are late, they are the sink's.
+  // The same in any draw state, of formats read at run time, and with channels. Of shared draws only the last
+  // one per pixel comes into a block; one that is unseen gives no block. Counts masked, stencil_failed and
+  // what of unseen draws is written, too; where the tests are late, they are the sink's.
   void (*draw_any)(const Pipeline&, const Columns<SpanRecord>& spans, const ChannelColumns& channels,
                    std::span<const SpanDraw> draws, std::int64_t first_index, SpanWork<T>&, Frame&, Counters&,
                    BlockSink<T>&) = nullptr;

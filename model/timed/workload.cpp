@@ -54,7 +54,7 @@ class Workload::Batch final : model::BlockSink<std::int64_t> {
   }
 
   void start(std::span<const Triangle> triangles, std::int64_t first_index) {
-    model::select_textures(plan_, run_.pipeline, *run_.scene);
+    model::select_textures(plan_, run_.pipeline, *run_.scene, triangles);
     to_draw_ = triangles;
     first_index_ = first_index;
     draws_.clear();

@@ -359,6 +359,17 @@ TEST(Forms, Projections) {
   EXPECT_EQ(compare_with("projections", ask, put), 0);
 }
 
+// Levels of textures, in some configurations.
+void draw_levels(Random& random, Config& c) {
+  if (!random.chance(0.3)) return;
+  c.lod = LodMode::gradient;
+  c.mip = random.chance(0.5) ? MipMode::linear : MipMode::nearest;
+}
+void put_light(Random& random, std::uint64_t /*seed*/, const Config& c, Scene& scene) {
+  if (has_project(c.project)) draw_projection(random, scene);
+  draw_light(random, scene, light_taken(c));
+}
+
 // A light at faces, vertices and pixels, parallel and at points, beside levels, a second texture and a
 // projector.
 TEST(Forms, Lights) {
@@ -376,17 +387,10 @@ TEST(Forms, Lights) {
       c.format(FormatId::light_direction) = {28, 2, true, Rounding::rnd_conv, Overflow::sat, false};
     }
     if (random.chance(0.3)) c.project = ProjectUnit::reciprocal;
-    if (random.chance(0.3)) {
-      c.lod = LodMode::gradient;
-      c.mip = random.chance(0.5) ? MipMode::linear : MipMode::nearest;
-    }
-  };
-  const auto put = [](Random& random, std::uint64_t /*seed*/, const Config& c, Scene& scene) {
-    if (has_project(c.project)) draw_projection(random, scene);
-    draw_light(random, scene, light_taken(c));
+    draw_levels(random, c);
   };
   // Some have registers or a root's unit of more bits, which lanes leave to the scalar stage.
-  EXPECT_GT(compare_with("lights", ask, put), 15);
+  EXPECT_GT(compare_with("lights", ask, put_light), 15);
 }
 
 // Maps of normals and shadows of a light, among states without: with coordinates of their own, levels, a
@@ -400,16 +404,49 @@ TEST(Forms, Reliefs) {
     c.second_coordinates = random.chance(0.5) ? SecondCoordinates::own : SecondCoordinates::first;
     if (random.chance(0.5)) c.light_fall = LightFall::second;
     if (seed % 5 == 0) c.project = ProjectUnit::reciprocal;
-    if (random.chance(0.3)) {
+    draw_levels(random, c);
+  };
+  EXPECT_GT(compare_with("reliefs", ask, put_light), 15);
+}
+
+// Opaque triangles over one another, with translucent ones between them: a pixel is shaded once for
+// those that hide each other, and counted each time. Every comparison of depths has the last one stay.
+TEST(Forms, WhatIsHiddenIsCounted) {
+  std::uint64_t written = 0, pixels = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    Config c = shipped_config(seed % 2 == 0 ? "depth16" : "depth20");
+    c.light = LightAt::pixel;
+    c.project = ProjectUnit::reciprocal;
+    if (seed % 3 == 0) {
+      c.mip = MipMode::linear;
       c.lod = LodMode::gradient;
-      c.mip = random.chance(0.5) ? MipMode::linear : MipMode::nearest;
     }
-  };
-  const auto put = [](Random& random, std::uint64_t /*seed*/, const Config& c, Scene& scene) {
-    if (has_project(c.project)) draw_projection(random, scene);
-    draw_light(random, scene, light_taken(c));
-  };
-  EXPECT_GT(compare_with("reliefs", ask, put), 15);
+    c.depth_func =
+        std::array{DepthFunc::less, DepthFunc::lequal, DepthFunc::notequal, DepthFunc::always}[seed / 2 % 4];
+    RandomOptions options = small_scenes();
+    options.triangles = 60;
+    options.size_min = 40;
+    options.mip_chains = true;
+    options.translucent_probability = seed % 4 == 0 ? 0.1 : 0;
+    Scene scene = random_scene(seed, options);
+    Random random(seed);
+    scene.textures.resize(3);
+    for (Texture& texture : scene.textures) {
+      texture = {};
+      texture.width = texture.height = 16;
+      for (int i = 0; i < 4 * 16 * 16; ++i) {
+        texture.rgba.push_back(i % 4 == 3 ? 255 : static_cast<std::uint8_t>(random.integer(1, 255)));
+      }
+    }
+    scene.commands = {{0, StateChange{false, {{*find_state_register("texture1"), 0}}}},
+                      {40, StateChange{true, {}}},
+                      {50, StateChange{false, {{*find_state_register("depth.bias"), 2}}}}};
+    put_light(random, seed, c, scene);
+    written += compare_forms(c, scene, "seed " + std::to_string(seed));
+    pixels += static_cast<std::uint64_t>(scene.width * scene.height);
+    if (HasFailure()) return;
+  }
+  EXPECT_GT(written, pixels);
 }
 
 // A second scene with other textures has levels of its own.

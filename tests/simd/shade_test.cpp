@@ -106,6 +106,16 @@ struct Case {
   ShadePlan plan;
 };
 
+// With every texture ready for the first unit.
+ShadePlan ready_plan(const Pipeline& pipeline, const Config& config, const Scene& scene) {
+  ShadePlan plan = prepare_shade(pipeline, config, scene);
+  select_textures(plan, pipeline, scene, {});
+  for (int texture = 0; texture < std::ssize(scene.textures); ++texture) {
+    need_texture(plan, pipeline, scene, 0, texture);
+  }
+  return plan;
+}
+
 // Fragments in runs of pixels side by side; colours all 1 where plain.
 std::vector<FragmentRecord> random_fragments(Random& random, const Case& c, Pixels pixels, bool white) {
   const TextureStage& t = c.pipeline.texture;
@@ -335,7 +345,7 @@ void check_config_blocks(const Config& config, std::uint64_t seed, Tally& tally)
   } catch (const InputError&) {
     return;  // the scene's range does not fit
   }
-  c.plan = prepare_shade(c.pipeline, c.config, c.scene);
+  c.plan = ready_plan(c.pipeline, c.config, c.scene);
   (c.plan.held_in == ShadeLanes::int32   ? tally.int32
    : c.plan.held_in == ShadeLanes::int64 ? tally.int64
                                          : tally.scalar)++;
@@ -500,7 +510,7 @@ TEST(Shade, WhatMayShowThrough) {
                     random_texture(random, 4, 4, Texels::opaque, config)};
   std::copy_n(config.transparent->data(), 3, scene.textures[1].rgba.data() + 20);
   const Pipeline pipeline = make_pipeline(config, scene);
-  const ShadePlan plan = prepare_shade(pipeline, config, scene);
+  const ShadePlan plan = ready_plan(pipeline, config, scene);
   const std::int64_t one = quantize(1, 0, config.format(FormatId::setup_shade));
   EXPECT_FALSE(may_show_through(plan, -1, one, one, one));
   EXPECT_FALSE(may_show_through(plan, 0, one, one, one));

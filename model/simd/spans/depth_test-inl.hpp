@@ -62,17 +62,25 @@ enum class Test : std::uint8_t {
 // Whether the draw state adds a bias to the codes.
 enum class Bias : std::uint8_t { none, of_state };
 
+// Who had a pixel last.
+struct Owners {
+  std::int32_t* of = nullptr;  // as `stored`; null: nobody asks
+  std::int32_t own = 0;
+};
+
 // Tests pixels from .. to of a span, writes the places of those that pass to `passing` and, unless they are
 // stored right away, their codes. Returns how many passed. func: a constant where the test must be fast.
+// With owners, codes are stored, and `passing` is not written.
 template <bool store, Test how, class Watch, Bias bias = Bias::none>
 HWY_INLINE std::size_t test_depth(const DepthStage& stage, const DepthFormats& f, DepthFunc func,
                                   const Sequence& h, std::uint32_t* stored, std::size_t from, std::size_t to,
-                                  std::int32_t* passing, std::int32_t* codes) {
+                                  std::int32_t* passing, std::int32_t* codes, const Owners& owners = {}) {
   const Lanes32::Tag d;
   auto* const buffer = reinterpret_cast<std::int32_t*>(stored);
   // Unsigned order by signed comparison.
   const Lanes32 flip(f.z.word > 31 ? INT32_MIN : 0);
-  const auto code_at = [&](Lanes of) HWY_ATTR {
+  // Two calls per vector would be a third of the loop.
+  const auto code_at = [&](Lanes of) HWY_ATTR __attribute__((always_inline)) {
     const Lanes z = depth_code_of(stage, f, of, Watch{}).z;
     return bias == Bias::none ? z : biased(stage, z);
   };
@@ -93,6 +101,13 @@ HWY_INLINE std::size_t test_depth(const DepthStage& stage, const DepthFormats& f
     const auto old = Lanes32::from(whole ? hn::LoadU(d, buffer + k) : hn::MaskedLoad(inside, d, buffer + k));
     Lanes32::Mask pass = depth_passes(f, func, z ^ flip, old ^ flip);
     if (!whole) pass = pass & Lanes32::Mask{inside};
+    if (store && owners.of != nullptr) {
+      if (!any(pass)) continue;
+      hn::BlendedStore(z.v, pass.m, d, buffer + k);
+      hn::BlendedStore(Lanes32(owners.own).v, pass.m, d, owners.of + k);
+      n += set_in(pass);
+      continue;
+    }
     if constexpr (how != Test::few) {
       if (!any(pass)) continue;
       if (whole && all(pass)) {  // most often where any does
