@@ -8,37 +8,54 @@
 #include "scene/plan.hpp"
 
 namespace bitspan {
+namespace {
+
+// The triangles from `first` on, which are all that is drawn on the target.
+struct LastDraw {
+  int target = 0;
+  std::size_t first = 0;
+};
+// Of a scene with triangles. Throws InputError where something else is drawn on that target, or cleared.
+LastDraw last_draw(const Scene& scene) {
+  LastDraw out;
+  std::array<bool, target_limit> is_touched{};
+  for (const DrawCommand& command : scene.commands) {
+    bool& touched = is_touched[static_cast<std::size_t>(out.target)];
+    touched = touched || command.before > out.first || std::holds_alternative<Clear>(command.what) ||
+              std::holds_alternative<Resolve>(command.what);
+    out.first = command.before;
+    if (const auto* target = std::get_if<Target>(&command.what)) out.target = target->k;
+  }
+  if (!is_touched[static_cast<std::size_t>(out.target)] && out.first < scene.triangles.size()) return out;
+  throw InputError(scene.name +
+                   ": translucency by passes is for a picture in one draw state; expected no triangle on its "
+                   "target in front of its last command, and no clear or resolve there");
+}
+
+}  // namespace
 
 Scene in_translucency_passes(Scene scene, Engine& engine) {
   if (scene.triangles.empty()) return scene;
-  std::vector<StateChange> states;
-  for (const DrawCommand& command : scene.commands) {
-    const auto* change = std::get_if<StateChange>(&command.what);
-    if (change == nullptr || command.before > 0) {
-      throw InputError(scene.name +
-                       ": translucency by passes is for a scene with one draw state and one target; expected "
-                       "no commands but changes of state in front of the first triangle");
-    }
-    states.push_back(*change);
-  }
-  const auto in = [&](TranslucencyPass pass) {
-    std::vector<StateChange> out = states;
-    StateChange& last = out.emplace_back();
-    last.settings = {state_setting("translucency.pass", pass)};
+  const auto [target, first] = last_draw(scene);
+  const auto in = [](TranslucencyPass pass) {
+    StateChange out{.settings = {state_setting("translucency.pass", pass)}};
     // A layer that is resolved is not in front of itself, whatever else the depth test lets pass.
-    if (holds_candidates(pass)) last.settings.push_back(state_setting("depth.func", DepthFunc::less));
-    return out;
+    if (holds_candidates(pass)) out.settings.push_back(state_setting("depth.func", DepthFunc::less));
+    return std::vector{out};
   };
   // Opaque fragments first, so that no candidate is held that one of them hides.
-  Pass opaque{
-      .name = "opaque", .states = in(TranslucencyPass::opaque), .triangles = std::move(scene.triangles)};
+  const auto begin = scene.triangles.begin() + static_cast<std::ptrdiff_t>(first);
+  Pass opaque{.name = "opaque",
+              .target = target,
+              .states = in(TranslucencyPass::opaque),
+              .triangles = {begin, scene.triangles.end()}};
   Pass translucent{.name = "translucent",
+                   .target = target,
                    .resolves = true,
                    .states = in(TranslucencyPass::candidate),
                    .triangles = opaque.triangles,
                    .repeat = Repeat{.counter = "candidates", .limit = translucency_pass_limit}};
-  scene.triangles.clear();
-  scene.commands.clear();
+  scene.triangles.resize(first);
   engine.begin(scene);
   flatten(std::array{std::move(opaque), std::move(translucent)}, scene, draw_pass(engine));
   return scene;

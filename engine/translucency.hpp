@@ -11,8 +11,9 @@ inline constexpr int translucency_pass_limit = 255;
 
 // Returns the scene as a plan that draws its opaque fragments first, and then the translucent ones from back
 // to front, a layer of each pixel at a time: at most two passes more than a pixel has layers, as the
-// engine finds them while it draws the plan. Changes of state in front of the first triangle hold in all
-// passes. The engine is begun anew. Throws InputError where the scene has other commands, and where the
+// engine finds them while it draws the plan. It makes passes of the triangles behind the last command. What
+// was drawn on other targets in front of it, as a shadow map, stays, and the draw state holds in all passes.
+// The engine is begun anew. Throws InputError where their target has had something before, and where the
 // passes do not suffice.
 Scene in_translucency_passes(Scene scene, Engine& engine);
 

@@ -674,7 +674,7 @@ TEST_F(Cli, GlassIsBlendedFromBackToFront) {
   EXPECT_EQ(run("render a.obj" + flags + " --translucency passes --supersample 2 -o x.png").code, 0);
   refused("render a.obj --translucency glass -o x.png", "--translucency");
   refused("render a.obj" + flags + " --translucency passes --shadow-volumes --shadow=3,5,4 -o x.png",
-          "translucency by passes is for a scene with one draw state and one target");
+          "translucency by passes is for a picture in one draw state");
   folder.write("bad.tri", folder.read("g.tri") + "{\"resolve\": 1}\n");
   refused("render bad.tri -o x.png", "resolve: 1 is not legal; expected true");
 }

@@ -22,6 +22,7 @@
 #include "report/lockstep.hpp"
 #include "scene/plan.hpp"
 #include "scene/random.hpp"
+#include "scene/shadow.hpp"
 #include "tests/support/input_error.hpp"
 #include "tests/support/long_run.hpp"
 #include "tests/support/test_config.hpp"
@@ -194,26 +195,65 @@ TEST(Translucency, AStateInFrontHoldsInAllPasses) {
   EXPECT_NE(drawn(*model, plan), drawn(*model, in_translucency_passes(scene, *model)));
 }
 
+// A map that a lamp sees stays in front of the passes. A floor, and panes from the farthest to the nearest:
+// in that order a picture without passes is right.
+TEST(Translucency, InTheLightOfALamp) {
+  Config config = shipped_config("depth20");
+  config.project = ProjectUnit::reciprocal;
+  Scene scene = layers_of(6, 1);
+  scene.triangles.resize(1);
+  scene.focal = scene.width;
+  const Triangle one = scene.triangles[0];
+  scene.triangles.clear();
+  for (const double s : {60.0, 50.0, 40.0, 30.0}) {
+    Triangle t = one;
+    t.v[0].x = t.v[0].y = t.v[1].y = t.v[2].x = 2;
+    t.v[1].x = s > 50 ? 3.0 * scene.width : s + 10;
+    t.v[2].y = s > 50 ? 3.0 * scene.height : s + 10;
+    for (Vertex& v : t.v) {
+      v.s = s;
+      v.c[3] = s > 50 ? 1 : 0.5;
+    }
+    scene.triangles.push_back(t);
+  }
+  const std::vector<Face> casters = faces_of(scene);
+  const Scene shaded = shadowed(scene, casters, {.light = {-20, -20, 5}, .size = 64, .bias = 2});
+  ASSERT_GT(shaded.triangles.size(), scene.triangles.size());
+  const auto model = make_model(config);
+  const Scene plan = in_translucency_passes(shaded, *model);
+  const std::vector<std::uint8_t> picture = drawn(*model, plan);
+  EXPECT_EQ(picture, drawn(*make_golden(config), plan));
+  EXPECT_EQ(picture, drawn(*model, shaded));
+  EXPECT_NE(picture, drawn(*model, in_translucency_passes(scene, *model)));
+  Scene reversed = scene;
+  std::ranges::reverse(reversed.triangles);
+  const Scene back = shadowed(reversed, casters, {.light = {-20, -20, 5}, .size = 64, .bias = 2});
+  EXPECT_EQ(drawn(*model, in_translucency_passes(back, *model)), picture);
+  EXPECT_NE(drawn(*model, back), picture);
+}
+
 TEST(Translucency, WhatHasNoPasses) {
   const Config config = shipped_config("depth16");
   const auto model = make_model(config);
   Scene scene = layers_of(2, 4);
   const std::string expected =
-      "layers: translucency by passes is for a scene with one draw state and one target; expected no "
-      "commands but "
-      "changes of state in front of the first triangle";
+      "layers: translucency by passes is for a picture in one draw state; expected no triangle on its target "
+      "in front of its last command, and no clear or resolve there";
   const auto refused = [&](auto what, std::size_t before) {
     scene.commands = {{before, what}};
     EXPECT_EQ(error_of([&] { in_translucency_passes(scene, *model); }), expected);
     EXPECT_NE(error_of([&] { golden::make_abuffer(config, scene); }).find("one draw state"),
               std::string::npos);
   };
-  refused(Target{1}, 0);
   Clear clear;
   clear.depth = true;
   refused(clear, 0);
   refused(Resolve{}, 0);
   refused(StateChange{}, 1);
+  refused(StateChange{}, scene.triangles.size());
+  // Back on a target that has a triangle.
+  scene.commands = {{1, Target{1}}, {2, Target{0}}};
+  EXPECT_EQ(error_of([&] { in_translucency_passes(scene, *model); }), expected);
   // Nothing becomes nearer, so that no pass is the last one.
   scene.commands = {{0, StateChange{.settings = {state_setting("depth.write", 0)}}}};
   EXPECT_NE(error_of([&] { in_translucency_passes(scene, *model); }).find("pass 'translucent': "),
