@@ -182,7 +182,7 @@ void add_config(CLI::App& app, Action& action) {
   sv->add_option(
         "--part", options->part,
         "span interpolator, pixel stages or both (default: interpolator; with --rtl both); or a module of "
-        "its own: project (of project.unit), light (of light.at = pixel) curve (forward_difference) or "
+        "its own: project (of project.unit), light (of light.at = pixel), curve (forward_difference) or "
         "rotate")
       ->check(CLI::IsMember({"interpolator", "pixels", "both", "project", "light", "curve", "rotate"}));
   sv->add_option_function<std::string>(

@@ -174,7 +174,8 @@ std::string html(const std::vector<ShownScene>& scenes) {
   return out + "</body></html>\n";
 }
 
-// The same configuration with a light per pixel, shadows and relief, where it can have them.
+// For the scene room: the same configuration with a light per pixel, shadows and relief, where it can have
+// them.
 Config with_lamp(const Config& config) {
   Config out = config;
   out.name += "-lamp";
@@ -186,30 +187,32 @@ Config with_lamp(const Config& config) {
   return first_violation(out) ? config : out;
 }
 
-// The scene room, whose configuration is written beside its pictures. A quarter of the demo's pixels, as each
-// costs more.
-ShownScene room(const DemoArguments& o, const VerifyOptions& options) {
-  const Config config = with_lamp(find_config(o.config));
-  SceneOptions view = o.view;
-  if (view.size.empty()) view.size = "320x240";
-  SceneSource source(load_scene("room", seen_with(config, view)));
-  const std::filesystem::path folder(o.output);
-  const std::string file = (folder / "room.toml").string();
-  write_file(file, to_toml(config));
-  const RunLabel label{
-      source.scene().name,
-      fmt::format("{}bitspan verify room --config {}{}{}", command_environment(), shell_word(file),
-                  o.engines_named ? " --engines " + o.engines : "", flags_text(view))};
+// Compares the engines over one of the scenes, and prints the verdict. pictures: of the first engine's frame
+// and that of ideal.
+template <class Pictures>
+ShownScene shown(const DemoArguments& o, const std::string& scene, const Config& config,
+                 const std::string& config_word, const SceneOptions& view, const VerifyOptions& options,
+                 const Pictures& pictures) {
+  SceneSource source(load_scene(scene, seen_with(config, view)));
+  const RunLabel label{source.scene().name,
+                       fmt::format("{}bitspan verify {} --config {}{}{}", command_environment(), scene,
+                                   shell_word(config_word), o.engines_named ? " --engines " + o.engines : "",
+                                   flags_text(view))};
+  make_writable_folder(o.output);  // a place that cannot be written is told before the work
   SceneRun run = verify_scene(config, source, options, label);
-  const Frame& drawn = run.engines[0]->frame();
-  return {std::move(run.verdict),
-          {color_picture("room.png", "A lamp, its shadows, a wall in relief and a pane of glass", drawn),
-           color_error_picture("error_room.png", drawn, run.ideal->frame())}};
+  fmt::print("{}", verdict_text(run.verdict));
+  std::vector<Picture> made = pictures(run.engines[0]->frame(), run.ideal->frame());
+  return {std::move(run.verdict), std::move(made)};
+}
+
+// A quarter of the demo's pixels, as each costs more.
+SceneOptions view_of_room(SceneOptions view) {
+  if (view.size.empty()) view.size = "320x240";
+  return view;
 }
 
 int demo(const DemoArguments& o) {
   const Config config = find_config(o.config);
-  SceneSource source(load_scene("demo", seen_with(config, o.view)));
   VerifyOptions options;
   options.engines = parse_engines(o.engines);
   if (std::ranges::find(options.engines, truth_name()) == options.engines.end()) {
@@ -218,26 +221,22 @@ int demo(const DemoArguments& o) {
   options.engines_named = o.engines_named;
   options.allow_missing = o.allow_missing;
   options.allow_empty = o.view.allow_empty;
-  make_writable_folder(o.output);  // a place that cannot be written is told before the work
-  const RunLabel label{
-      source.scene().name,
-      fmt::format("{}bitspan verify demo --config {}{}{}", command_environment(), shell_word(o.config),
-                  o.engines_named ? " --engines " + o.engines : "", flags_text(o.view))};
-  std::vector<ShownScene> scenes;
-  {
-    SceneRun run = verify_scene(config, source, options, label);
-    const Frame& drawn = run.engines[0]->frame();
-    std::vector<Picture> pictures = pictures_of(drawn, run.ideal->frame());
-    scenes.push_back({std::move(run.verdict), std::move(pictures)});
-  }
-  fmt::print("{}", verdict_text(scenes.back().verdict));
-  try {
-    scenes.push_back(room(o, options));
-    fmt::print("\n{}", verdict_text(scenes.back().verdict));
-  } catch (const InputError& error) {
-    fmt::print("\nroom left out: {}\n", error.what());
-  }
   const std::filesystem::path folder(o.output);
+  std::vector<ShownScene> scenes{shown(o, "demo", config, o.config, o.view, options, pictures_of)};
+  const Config lit = with_lamp(config);
+  const std::string lit_file = (folder / "room.toml").string();
+  fmt::print("\n");
+  try {
+    scenes.push_back(shown(
+        o, "room", lit, lit_file, view_of_room(o.view), options, [](const Frame& drawn, const Frame& ideal) {
+          return std::vector<Picture>{
+              color_picture("room.png", "A lamp, its shadows, a wall in relief and a pane of glass", drawn),
+              color_error_picture("error_room.png", drawn, ideal)};
+        }));
+    write_file(lit_file, to_toml(lit));
+  } catch (const InputError& error) {
+    fmt::print("room left out: {}\n", error.what());
+  }
   for (const ShownScene& scene : scenes) {
     for (const Picture& picture : scene.pictures) {
       write_file((folder / picture.file).string(), picture.png);

@@ -4,11 +4,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cmath>
 
 #include "config/config.hpp"
 #include "io/atomic_file.hpp"
-#include "scene/mesh_text.hpp"
 
 namespace bitspan {
 namespace {
@@ -50,24 +48,6 @@ void check_output(const std::string& output) {
 
 WorkProgress shown(Progress& progress) {
   return [&progress](std::size_t done, std::size_t total) { progress.update(done, total); };
-}
-
-std::vector<double> numbers_of(const std::string& text, std::size_t count, const std::string& flag,
-                               const std::string& form) {
-  std::vector<double> out;
-  std::string_view rest = text;
-  while (true) {
-    const std::size_t comma = std::min(rest.find(','), rest.size());
-    const std::optional<double> number = to_number(rest.substr(0, comma));
-    if (!number || out.size() == count) break;
-    out.push_back(*number);
-    if (comma == rest.size()) {
-      if (out.size() == count) return out;
-      break;
-    }
-    rest.remove_prefix(comma + 1);
-  }
-  throw InputError(fmt::format("{}: {} is not legal; expected {}", flag, in_quotes(text), form));
 }
 
 }  // namespace bitspan

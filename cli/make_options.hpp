@@ -2,10 +2,8 @@
 // What the commands that make terrain have in common.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "cli/progress.hpp"
 #include "scene/generate/height_field.hpp"
@@ -33,9 +31,5 @@ void check_output(const std::string& output);
 
 // "LABEL: DONE of TOTAL" on a terminal.
 WorkProgress shown(Progress& progress);
-
-// The numbers of "X,Y,...". Throws InputError where they are not `count` finite ones.
-std::vector<double> numbers_of(const std::string& text, std::size_t count, const std::string& flag,
-                               const std::string& form);
 
 }  // namespace bitspan

@@ -3,15 +3,16 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cmath>
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "cli/make_commands.hpp"
 #include "config/config.hpp"
-#include "io/atomic_file.hpp"
 #include "scene/bez.hpp"
+#include "scene/generate/obj_writer.hpp"
 
 namespace bitspan {
 namespace {
@@ -23,28 +24,21 @@ struct PatchesArguments {
 };
 
 // Each patch has vertices of its own, so that a crack shows.
-std::string obj_of(const PatchSet& set, int k, int guard) {
-  std::string vertices, faces;
-  const std::size_t side = patch_side(k);
-  std::size_t first = 1;
+void write_patches(const PatchSet& set, int k, int guard, ObjWriter& out) {
   for (const Patch& patch : set.patches) {
-    std::array<std::vector<std::int64_t>, 3> points;
-    for (std::size_t axis = 0; axis < 3; ++axis) points[axis] = patch_points(patch.axis[axis], k, guard);
-    const auto value = [&](std::size_t axis, std::size_t at) {
-      return std::ldexp(static_cast<double>(points[axis][at]), -(set.fraction + 2 * guard));
-    };
-    for (std::size_t at = 0; at < points[0].size(); ++at) {
-      vertices += fmt::format("v {} {} {}\n", value(0, at), value(1, at), value(2, at));
-    }
-    for (std::size_t row = 0; row + 1 < side; ++row) {
-      for (std::size_t column = 0; column + 1 < side; ++column) {
-        const std::size_t at = first + row * side + column;
-        faces += fmt::format("f {} {} {} {}\n", at, at + 1, at + side + 1, at + side);
+    const PatchPoints points = patch_points(patch, k, guard);
+    for (std::size_t at = 0; at < points[0].size(); ++at) out.vertex(place_in(set, points, at, guard));
+  }
+  const auto side = static_cast<std::uint32_t>(patch_side(k));
+  std::uint32_t first = 0;
+  for (std::size_t patch = 0; patch < set.patches.size(); ++patch, first += side * side) {
+    for (std::uint32_t row = 0; row + 1 < side; ++row) {
+      for (std::uint32_t column = 0; column + 1 < side; ++column) {
+        const std::uint32_t at = first + row * side + column;
+        out.face(std::array{at, at + 1, at + side + 1, at + side});
       }
     }
-    first += side * side;
   }
-  return vertices + faces;
 }
 
 int make_patches(const PatchesArguments& o) {
@@ -58,7 +52,11 @@ int make_patches(const PatchesArguments& o) {
   const PatchSet set = read_bez(o.patches);
   check_patch_count(set, o.k);
   const PatchCracks found = count_cracks(set, o.k, guard);
-  if (!o.output.empty()) write_file(o.output, obj_of(set, o.k, guard));
+  if (!o.output.empty()) {
+    ObjWriter out(o.output);
+    write_patches(set, o.k, guard, out);
+    out.commit();
+  }
   fmt::print("{}: {} patches of 2^{} steps each way, {} guard bits of {}\n", o.patches, set.patches.size(),
              o.k, guard, enough);
   fmt::print("cracks: {} of {} points on {} shared boundaries\n", found.cracks, found.points,

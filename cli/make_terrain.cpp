@@ -9,7 +9,9 @@
 
 #include "cli/make_commands.hpp"
 #include "cli/make_options.hpp"
+#include "cli/scene_options.hpp"
 #include "config/config.hpp"
+#include "scene/mesh_text.hpp"
 
 namespace bitspan {
 namespace {
@@ -36,8 +38,13 @@ GridOptions grid_of(const TerrainArguments& o) {
 }
 
 RingOptions rings_of(const TerrainArguments& o, const HeightField& field) {
-  const std::vector<double> n =
-      numbers_of(o.rings, 3, "--rings", "x,z,near: the viewer's place, and a distance");
+  const auto numbers = numbers_between_commas(o.rings, 3);
+  if (!numbers) {
+    throw InputError(
+        fmt::format("--rings: {} is not legal; expected x,z,near: the viewer's place, and a distance",
+                    in_quotes(o.rings)));
+  }
+  const std::vector<double>& n = *numbers;
   const double spacing = o.field.place.spacing;
   const RingOptions rings{n[0] / spacing + (field.columns - 1) / 2.0, n[1] / spacing + (field.rows - 1) / 2.0,
                           n[2] / spacing};

@@ -29,28 +29,11 @@ namespace {
 constexpr std::string_view extreme_prefix = "extreme/";
 constexpr std::string_view triangles_prefix = "triangles/";
 
-// `count` finite numbers between commas.
 std::vector<double> parse_numbers(const std::string& text, const std::string& option, std::size_t count,
                                   const std::string& expected) {
-  std::vector<double> out;
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  bool good = true;
-  while (good) {
-    double value = 0;
-    const auto [next, error] = std::from_chars(at, end, value);
-    good = error == std::errc{} && std::isfinite(value);
-    out.push_back(value);
-    at = next;
-    if (!good || at == end) {
-      break;
-    }
-    good = *at++ == ',';
-  }
-  if (!good || out.size() != count) {
-    throw InputError(fmt::format("{}: '{}' is not {}", option, text, expected));
-  }
-  return out;
+  const auto numbers = numbers_between_commas(text, count);
+  if (!numbers) throw InputError(fmt::format("{}: '{}' is not {}", option, text, expected));
+  return *numbers;
 }
 
 std::uint8_t color_code(double value, const std::string& option) {
@@ -118,6 +101,23 @@ void refuse_size(const std::string& name, const Scene& scene, const SceneOptions
 }
 
 }  // namespace
+
+std::optional<std::vector<double>> numbers_between_commas(const std::string& text, std::size_t count) {
+  std::vector<double> out;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  while (true) {
+    double value = 0;
+    const auto [next, error] = std::from_chars(at, end, value);
+    if (error != std::errc{} || !std::isfinite(value)) return std::nullopt;
+    out.push_back(value);
+    if (next == end) break;
+    if (*next != ',') return std::nullopt;
+    at = next + 1;
+  }
+  if (out.size() != count) return std::nullopt;
+  return out;
+}
 
 bool is_parallel(const SceneOptions& o) {
   return choice<Projection>(o.projection, "--projection") != Projection::central;

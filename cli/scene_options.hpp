@@ -69,6 +69,9 @@ struct SceneOptions {
 // The options of a scene that is drawn with that configuration. Throws InputError where it lacks what an
 // option takes.
 SceneOptions seen_with(const Config& config, SceneOptions options);
+// None where the text is not so many finite numbers.
+std::optional<std::vector<double>> numbers_between_commas(const std::string& text, std::size_t count);
+
 // Whether --projection is a parallel one.
 bool is_parallel(const SceneOptions& options);
 

@@ -181,9 +181,10 @@ void compare_oracles(const VerifyOptions& options, const Scene& scene, const Eng
       leave_out(why);
       continue;
     }
-    const std::vector<Visible> picture = visibility->picture(*oracle);
+    std::vector<OracleCount> counts;
+    const std::vector<Visible> picture = visibility->picture(*oracle, &counts);
     v.oracles.push_back(visibility->compare(*oracle, picture, frame, engine.name()));
-    v.oracles.back().counts = visibility->counts(*oracle);
+    v.oracles.back().counts = std::move(counts);
     if (v.oracles.back().compared() == 0 && v.counters.covered != 0) {
       v.oracles.pop_back();
       leave_out("at each pixel a triangle may be seen whose fragments may be killed");

@@ -415,8 +415,7 @@ constexpr KeyRow rows[] = {
      ", map with light.at = pixel",
      ideal | values,
      "no shadow; SH2: all but the ambient light is multiplied by the red share of the second unit's texel, "
-     "while "
-     "texture1.op = shadow",
+     "while texture1.op = shadow",
      {.presence = Presence::later, .used = reads_light, .unused = Unused::initial}},
     {"light.law",
      MEMBER(light_law),

@@ -23,10 +23,18 @@ struct OracleFace {
   IdealTriangle shape;
 };
 
+// What an oracle counts besides, over a whole scene: "gaps".
+struct OracleCount {
+  std::string_view name;
+  double value = 0;
+};
+
 struct OracleInput {
   const Config& config;               // for the fill rule, and what a triangle is after the snap
   const Scene& scene;                 // for its size, and its range of S
   std::span<const OracleFace> faces;  // by their index; those that a pixel may show
+  // Where an oracle that counts something puts it; null: nowhere.
+  std::vector<OracleCount>* counts = nullptr;
 };
 
 // What is seen at a pixel.
@@ -35,10 +43,6 @@ struct Visible {
   golden::InverseDistance q;   // at the pixel's centre
 };
 
-// What an oracle counts besides, over a whole scene: "gaps".
-struct OracleCount {
-  std::string_view name;
-  double value = 0;
 };
 
 struct Oracle {
@@ -55,8 +59,6 @@ struct Oracle {
   // Returns height * width pixels, rows from the top. Of faces that are exactly as far, the one of the least
   // index is seen.
   std::vector<Visible> (*visible)(const OracleInput& input) = nullptr;
-  // Null: it counts nothing besides.
-  std::vector<OracleCount> (*counts)(const OracleInput& input) = nullptr;
 };
 
 // An object of this type at namespace scope makes an oracle known before main(). Throws std::logic_error

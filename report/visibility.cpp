@@ -280,13 +280,8 @@ Visibility::Visibility(const Config& config, const Scene& scene, std::vector<dou
   }
 }
 
-std::vector<Visible> Visibility::picture(const Oracle& oracle) const {
-  return oracle.visible({config_, *scene_, faces_});
-}
-
-std::vector<OracleCount> Visibility::counts(const Oracle& oracle) const {
-  if (oracle.counts == nullptr) return {};
-  return oracle.counts({config_, *scene_, faces_});
+std::vector<Visible> Visibility::picture(const Oracle& oracle, std::vector<OracleCount>* counts) const {
+  return oracle.visible({config_, *scene_, faces_, counts});
 }
 
 double Visibility::depth_of(const Visible& seen) const {

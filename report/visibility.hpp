@@ -83,8 +83,8 @@ class Visibility {
   // bounds: for each triangle, by how many codes its stored depth may be off (stored_depth_bounds). The scene
   // must outlive it. Expects a scene that is not refused, and a depth code that is h or its complement.
   Visibility(const Config& config, const Scene& scene, std::vector<double> bounds);
-  std::vector<Visible> picture(const Oracle& oracle) const;
-  std::vector<OracleCount> counts(const Oracle& oracle) const;
+  // counts: what the oracle counts besides, where it is asked for.
+  std::vector<Visible> picture(const Oracle& oracle, std::vector<OracleCount>* counts = nullptr) const;
   // Of triangles that no oracle draws, since their fragments may be killed.
   std::size_t vanishing() const { return vanishing_.size(); }
   // frame: of an engine that has drawn the whole scene, with its winners.

@@ -125,18 +125,14 @@ MeshFile patch_mesh(const PatchSet& set, int k) {
   out.triangles.reserve(set.patches.size() * 2 * steps * steps);
   const int guard = 3 * k;
   for (const Patch& patch : set.patches) {
-    std::array<std::vector<std::int64_t>, 3> points;
-    for (std::size_t axis = 0; axis < 3; ++axis) points[axis] = patch_points(patch.axis[axis], k, guard);
-    const auto value = [&](std::size_t axis, std::size_t at) {
-      return std::ldexp(static_cast<double>(points[axis][at]), -(set.fraction + 2 * guard));
-    };
+    const PatchPoints points = patch_points(patch, k, guard);
     std::vector<MeshCorner> corners;
     corners.reserve(points[0].size());
     for (std::size_t row = 0; row <= steps; ++row) {
       for (std::size_t column = 0; column <= steps; ++column) {
         const std::size_t at = row * (steps + 1) + column;
         MeshCorner& corner = corners.emplace_back();
-        corner.position = {value(0, at), value(1, at), value(2, at)};
+        corner.position = place_in(set, points, at, guard);
         corner.u = static_cast<double>(column) / static_cast<double>(steps);
         corner.v = static_cast<double>(row) / static_cast<double>(steps);
         corner.normal = patch_normal(patch, corner.u, corner.v);

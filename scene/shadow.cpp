@@ -51,8 +51,6 @@ StateChange projected_texture(int texture) {
                        state_setting("texture1.op", TextureOp::modulate)}};
 }
 
-// Whether the shadow of a map is the light's.
-bool is_of_light(const Scene& scene, const ShadowOptions& o) { return o.light_takes && scene.light; }
 double dark_of(const ShadowOptions& o, bool of_light = false) { return o.dark.value_or(of_light ? 0 : 0.35); }
 
 }  // namespace
@@ -234,7 +232,7 @@ Scene shadowed(Scene scene, std::span<const Face> casters, const ShadowOptions& 
                .copies = {{.target = light_target, .plane = CopyPlane::depth, .texture = texture}},
                .states = {projected_texture(texture)},
                .triangles = std::move(scene.triangles)};
-  const bool of_light = is_of_light(scene, options);
+  const bool of_light = options.light_takes && scene.light;
   if (of_light) picture.states.front().settings.push_back(state_setting("texture1.op", TextureOp::shadow));
   const auto dark = std::lround(255 * dark_of(options, of_light));
   for (const StateSetting& more : {state_setting("texture1.compare", 1), state_setting("texture1.red", dark),

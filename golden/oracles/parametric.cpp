@@ -19,6 +19,7 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "golden/oracle.hpp"
@@ -125,14 +126,13 @@ Filled filled(const OracleInput& input, PointCount count) {
 
 template <PointCount count>
 std::vector<Visible> picture(const OracleInput& input) {
-  return filled(input, count).picture;
-}
-template <PointCount count>
-std::vector<OracleCount> counts(const OracleInput& input) {
-  const Filled f = filled(input, count);
-  return {{"gaps", static_cast<double>(f.gaps)},
-          {"points per pixel",
-           static_cast<double>(f.points) / static_cast<double>(std::max<std::uint64_t>(1, f.pixels))}};
+  Filled f = filled(input, count);
+  if (input.counts != nullptr) {
+    *input.counts = {{"gaps", static_cast<double>(f.gaps)},
+                     {"points per pixel", static_cast<double>(f.points) /
+                                              static_cast<double>(std::max<std::uint64_t>(1, f.pixels))}};
+  }
+  return std::move(f.picture);
 }
 
 constexpr double point_limit = 3e8;  // some seconds
@@ -154,15 +154,13 @@ std::string refuses(const Config& config, const Scene& scene) {
 const RegisterOracle safe{{.name = "parametric",
                            .meaning = "triangles filled by parameters in object space, without a gap",
                            .refuses = refuses<safe_count>,
-                           .visible = picture<safe_count>,
-                           .counts = counts<safe_count>}};
+                           .visible = picture<safe_count>}};
 const RegisterOracle source{
     {.name = "parametric_source",
      .meaning = "the same with the source's number of points; counts its gaps and wrong pixels",
      .is_truth = false,
      .refuses = refuses<count_of_source>,
-     .visible = picture<count_of_source>,
-     .counts = counts<count_of_source>}};
+     .visible = picture<count_of_source>}};
 
 }  // namespace
 

@@ -533,6 +533,17 @@ HWY_INLINE Textured<ValueOf<Int>> found_projected(const TextureSecondStage& unit
   return out;
 }
 
+// The second unit's own coordinates, or the first one's.
+template <class T>
+struct SecondPlaces {
+  const T *u, *v;
+};
+template <class T>
+SecondPlaces<T> second_places(const ChannelStage& channels, const FragmentBlock<T>& block) {
+  if (channels.second_at >= 0) return {block.u2, block.v2};
+  return {block.u, block.v};
+}
+
 // What the second unit finds, wherever its coordinates come from.
 template <class Int, class Image, class Watch>
 HWY_INLINE Textured<ValueOf<Int>> found_second(const TextureSecondStage& unit,
@@ -542,10 +553,9 @@ HWY_INLINE Textured<ValueOf<Int>> found_second(const TextureSecondStage& unit,
                                                const Image& coarser, std::size_t k, Watch watch) {
   using V = ValueOf<Int>;
   if (units.projected != nullptr) return found_projected<Int>(unit, image, *units.projected, k, watch);
-  const bool own = channels.second_at >= 0;
-  return found<Int>(unit.fetch, units.images[1], image, coarser, units.shares[1] + k,
-                    load_as<V>((own ? block.u2 : block.u) + k), load_as<V>((own ? block.v2 : block.v) + k),
-                    watch);
+  const auto at = second_places(channels, block);
+  return found<Int>(unit.fetch, units.images[1], image, coarser, units.shares[1] + k, load_as<V>(at.u + k),
+                    load_as<V>(at.v + k), watch);
 }
 
 // Q[texture.alpha](v / 255) of a colour on texture.mix.
@@ -947,7 +957,7 @@ void brighten_block(const Pipeline& pipeline, const FragmentBlock<T>& block, Pix
                     const SecondColumns* second, T* out) {
   const LightStage& light = pipeline.light;
   const ChannelStage& channels = pipeline.channels;
-  const bool own = channels.second_at >= 0;
+  const auto second_at = second_places(channels, block);
   const auto wide = hn::Set(hn::ScalableTag<double>(), static_cast<double>(grid.width));
   constexpr NoObserve watch;
   for (std::size_t k = 0; k < block.size; k += Lanes::count) {
@@ -982,9 +992,8 @@ void brighten_block(const Pipeline& pipeline, const FragmentBlock<T>& block, Pix
                             .value);
       continue;
     }
-    toward.direction =
-        direction_in_field<Lanes, WideLanes>(light, channel(channels.relief_at), at(own ? block.u2 : block.u),
-                                             at(own ? block.v2 : block.v), watch);
+    toward.direction = direction_in_field<Lanes, WideLanes>(light, channel(channels.relief_at),
+                                                            at(second_at.u), at(second_at.v), watch);
     const VectorOf<Lanes> texel{at(second->texel[0]), at(second->texel[1]), at(second->texel[2])};
     store_as(
         out + k,
@@ -1019,9 +1028,9 @@ void light_block(const Pipeline& pipeline, const ShadePlan& plan, const Fragment
     if (!pipeline.light.has_map) {
       given.normal = channel(channels.normal_at);
     } else {
-      const bool own = channels.second_at >= 0;
+      const auto at = second_places(channels, block);
       given.place = channel(channels.relief_at);
-      given.at = {own ? block.u2[k] : block.u[k], own ? block.v2[k] : block.v[k]};
+      given.at = {at.u[k], at.v[k]};
     }
     if (second != nullptr) {
       texel.texel_r = second->texel[0][k];

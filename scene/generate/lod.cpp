@@ -202,13 +202,11 @@ SurfaceError surface_error(const HeightField& field, const Delaunay& surface) {
   return sum.result();
 }
 
-SurfaceError grid_error(const HeightField& field, std::size_t points, int* columns, int* rows) {
+SurfaceError grid_error(const HeightField& field, std::size_t points) {
   const double width = field.columns - 1, depth = field.rows - 1;
   const double n = static_cast<double>(points);
   const int c = std::max(2, static_cast<int>(std::lround(std::sqrt(n * field.columns / field.rows))));
   const int r = std::max(2, static_cast<int>(std::lround(n / c)));
-  if (columns != nullptr) *columns = c;
-  if (rows != nullptr) *rows = r;
   const auto corner = [&](int i, int j) {
     return height_at(field, i * width / (c - 1), j * depth / (r - 1));
   };

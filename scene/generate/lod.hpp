@@ -21,9 +21,8 @@ struct SurfaceError {
 // vertical.
 SurfaceError surface_error(const HeightField& field, const Delaunay& surface);
 // The same of the right grid that has about `points` vertices, spread evenly over the field with interpolated
-// heights. `columns` and `rows`, where they are given, are told its size.
-SurfaceError grid_error(const HeightField& field, std::size_t points, int* columns = nullptr,
-                        int* rows = nullptr);
+// heights.
+SurfaceError grid_error(const HeightField& field, std::size_t points);
 
 enum class LodCost : std::uint8_t {
   normal,  // the sum of (n . (V_i - V))^2 over the neighbours V_i; n is the mean normal in the full

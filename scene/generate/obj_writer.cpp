@@ -8,7 +8,7 @@
 namespace bitspan {
 
 ObjWriter::ObjWriter(const std::string& path, const std::string& comment) : file_(path) {
-  file_.write(fmt::format("# {}\n", comment));
+  if (!comment.empty()) file_.write(fmt::format("# {}\n", comment));
 }
 
 void ObjWriter::vertex(const Vec3& position, std::optional<double> shade) {

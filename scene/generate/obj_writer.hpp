@@ -22,8 +22,8 @@ using WorkProgress = std::function<void(std::size_t done, std::size_t total)>;
 // with the fewest digits that read back as the same double. The file appears with commit().
 class ObjWriter {
  public:
-  // `comment` becomes the first line.
-  ObjWriter(const std::string& path, const std::string& comment);
+  // `comment` becomes the first line, where there is one.
+  explicit ObjWriter(const std::string& path, const std::string& comment = {});
 
   // shade: a grey of 0..1 as the vertex' colour.
   void vertex(const Vec3& position, std::optional<double> shade = {});

@@ -2,6 +2,7 @@
 #include "scene/generate/patch.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "config/config.hpp"
@@ -98,6 +99,19 @@ std::vector<std::int64_t> patch_points(const PatchGrid& grid, int k, int guard) 
   return out;
 }
 
+PatchPoints patch_points(const Patch& patch, int k, int guard) {
+  PatchPoints out;
+  for (std::size_t axis = 0; axis < out.size(); ++axis) out[axis] = patch_points(patch.axis[axis], k, guard);
+  return out;
+}
+
+Vec3 place_in(const PatchSet& set, const PatchPoints& points, std::size_t at, int guard) {
+  const auto value = [&](std::size_t axis) {
+    return std::ldexp(static_cast<double>(points[axis][at]), -(set.fraction + 2 * guard));
+  };
+  return {value(0), value(1), value(2)};
+}
+
 Vec3 patch_normal(const Patch& patch, double u, double v) {
   const auto tangents = [&](double at_u, double at_v, Vec3& along_u, Vec3& along_v) {
     constexpr std::array axes{&Vec3::x, &Vec3::y, &Vec3::z};
@@ -128,13 +142,12 @@ Vec3 patch_normal(const Patch& patch, double u, double v) {
 
 PatchCracks count_cracks(const PatchSet& set, int k, int guard) {
   PatchCracks out;
-  std::vector<std::array<std::vector<std::int64_t>, 3>> points;
+  std::vector<PatchPoints> points;
   std::map<BoundaryKey, std::vector<Boundary>> shared;
   const std::size_t side = patch_side(k);
   for (std::size_t i = 0; i < set.patches.size(); ++i) {
     const Patch& patch = set.patches[i];
-    auto& of_patch = points.emplace_back();
-    for (std::size_t axis = 0; axis < 3; ++axis) of_patch[axis] = patch_points(patch.axis[axis], k, guard);
+    const PatchPoints& of_patch = points.emplace_back(patch_points(patch, k, guard));
     for (const std::size_t row : {std::size_t{0}, std::size_t{3}}) {
       for (const std::size_t column : {std::size_t{0}, std::size_t{3}}) {
         const std::size_t at = (row / 3 * side + column / 3) * (side - 1);

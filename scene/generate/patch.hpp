@@ -40,6 +40,12 @@ void check_patch_count(const PatchSet& set, int k);
 // goes from row to row, u along a row. 0 <= guard <= 3 k.
 std::vector<std::int64_t> patch_points(const PatchGrid& grid, int k, int guard);
 
+// The same of x, y and z.
+using PatchPoints = std::array<std::vector<std::int64_t>, 3>;
+PatchPoints patch_points(const Patch& patch, int k, int guard);
+// Where one of a set's points is.
+Vec3 place_in(const PatchSet& set, const PatchPoints& points, std::size_t at, int guard);
+
 // Outward, of any length: u cross v.
 Vec3 patch_normal(const Patch& patch, double u, double v);
 

@@ -22,6 +22,11 @@ Interval taken(double x, const Format& f) {
   return Interval(quantised(x, f)) - x;
 }
 
+// How much a value with these at the corners changes per pixel to the right.
+double gradient_of(const LitTriangle& t, const std::array<Interval, 3>& corners) {
+  return (t.weight[1] * (corners[1] - corners[0]) + t.weight[2] * (corners[2] - corners[0])).mag();
+}
+
 // Replaces what is held at a place where the new error is larger.
 void raise(PlaceError& at, const ErrorSum& e, double resolution) {
   if (!at.used || e.total().mag() > at.error.total().mag()) at.error = e;
@@ -157,7 +162,7 @@ void ErrorAnalysis::pixel_light(const LitTriangle& t) {
         line.exact.inside(values(vertex))) {
       line.change = 0;
     }
-    line.gradient = (t.weight[1] * (exact[1] - exact[0]) + t.weight[2] * (exact[2] - exact[0])).mag();
+    line.gradient = gradient_of(t, exact);
     line.at_vertex.add(key_of(F::normal_vertex), off);
     out.normal[j] = linear_line(line);
   }
@@ -219,8 +224,7 @@ void ErrorAnalysis::vertex_light(const LitTriangle& t) {
                                         std::max(0.0, next_up(off.hi - worst.hi))});
   line.exact = hull(hull(exact[0], exact[1]), exact[2]);
   line.change = face ? 0 : next_up(line.exact.width() + off.width());
-  line.gradient =
-      face ? 0 : (t.weight[1] * (exact[1] - exact[0]) + t.weight[2] * (exact[2] - exact[0])).mag();
+  line.gradient = face ? 0 : gradient_of(t, exact);
   out_.light.brightness = line.exact;
   const ErrorSum value = linear_line(line);
   LightErrors at_pixel;

@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/registry.hpp"
@@ -42,6 +44,19 @@ inline Scene scene_of(std::vector<Triangle> triangles, int width = 64, int heigh
   scene.s_max = 100;
   scene.triangles = std::move(triangles);
   return scene;
+}
+
+// `count` triangles with corners in [x.first, x.second] by [y.first, y.second], whose distances are up to a
+// factor of `ratio` apart.
+inline Scene scattered_scene(Random& draw, double ratio, int count, std::pair<double, double> x,
+                             std::pair<double, double> y) {
+  std::vector<Triangle> triangles;
+  const auto corner = [&] {
+    return At{draw.uniform(x.first, x.second), draw.uniform(y.first, y.second),
+              draw.log_uniform(1 / std::sqrt(ratio), std::sqrt(ratio))};
+  };
+  for (int i = 0; i < count; ++i) triangles.push_back(triangle_of(corner(), corner(), corner()));
+  return scene_of(std::move(triangles));
 }
 
 // A triangle on the left that is near at its top, and one that is near at its bottom: they cut each other.

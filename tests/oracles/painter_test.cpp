@@ -94,13 +94,8 @@ TEST(Painter, GiantsAtAllDistances) {
   const Config config = shipped_config("depth16");
   Random draw(52);
   for (const double ratio : {1e3, 1e9, 1e250}) {
-    std::vector<Triangle> triangles;
-    const auto corner = [&] {
-      return test::At{draw.uniform(-1000, 1000), draw.uniform(-1000, 1000),
-                      draw.log_uniform(1 / std::sqrt(ratio), std::sqrt(ratio))};
-    };
-    for (int i = 0; i < 8; ++i) triangles.push_back(triangle_of(corner(), corner(), corner()));
-    const test::Agreement one = test::agreement("painter", config, test::scene_of(triangles));
+    const Scene scene = test::scattered_scene(draw, ratio, 8, {-1000, 1000}, {-1000, 1000});
+    const test::Agreement one = test::agreement("painter", config, scene);
     EXPECT_EQ(one.differences, 0U) << ratio;
     EXPECT_GT(one.seen, 1000U) << ratio;
   }

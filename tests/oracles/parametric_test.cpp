@@ -19,7 +19,9 @@ const Config& config() {
 
 double count_of(const std::string& oracle, std::string_view what, const Scene& scene) {
   const Visibility visibility(config(), scene, std::vector<double>(scene.triangles.size()));
-  for (const OracleCount& count : visibility.counts(test::oracle_named(oracle))) {
+  std::vector<OracleCount> counts;
+  visibility.picture(test::oracle_named(oracle), &counts);
+  for (const OracleCount& count : counts) {
     if (count.name == what) return count.value;
   }
   ADD_FAILURE() << oracle << " does not count " << what;

@@ -190,13 +190,7 @@ TEST(Ray, DistancesMayDifferBeyondAllMeasure) {
     Random draw(27);
     Agreement all;
     for (int round = 0; round < 6; ++round) {
-      std::vector<Triangle> triangles;
-      const auto corner = [&] {
-        return At{draw.uniform(-20, 84), draw.uniform(-20, 68),
-                  draw.log_uniform(1 / std::sqrt(ratio), std::sqrt(ratio))};
-      };
-      for (int i = 0; i < 12; ++i) triangles.push_back(triangle_of(corner(), corner(), corner()));
-      const Agreement one = agreement(config, scene_of(triangles));
+      const Agreement one = agreement(config, test::scattered_scene(draw, ratio, 12, {-20, 84}, {-20, 68}));
       EXPECT_EQ(one.differences, 0U) << "ratio " << ratio << ", round " << round;
       all.seen += one.seen;
     }

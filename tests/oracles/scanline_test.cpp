@@ -80,13 +80,8 @@ TEST(Scanline, GiantsAtAllDistances) {
   const Config config = shipped_config("depth16");
   Random draw(42);
   for (const double ratio : {1e3, 1e9, 1e250}) {
-    std::vector<Triangle> triangles;
-    const auto corner = [&] {
-      return test::At{draw.uniform(-1000, 1000), draw.uniform(-1000, 1000),
-                      draw.log_uniform(1 / std::sqrt(ratio), std::sqrt(ratio))};
-    };
-    for (int i = 0; i < 20; ++i) triangles.push_back(triangle_of(corner(), corner(), corner()));
-    const test::Agreement one = test::agreement("scanline", config, test::scene_of(triangles));
+    const Scene scene = test::scattered_scene(draw, ratio, 20, {-1000, 1000}, {-1000, 1000});
+    const test::Agreement one = test::agreement("scanline", config, scene);
     EXPECT_EQ(one.differences, 0U) << ratio;
     EXPECT_GT(one.seen, 1000U) << ratio;
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,18 @@ MeshOptions small(Projection projection) {
   options.height = 240;
   options.unlit = true;
   options.camera.projection = projection;
+  return options;
+}
+
+// From (0, 0, 10) toward the origin; `near` and `far`: s_min and s_max.
+MeshOptions from_the_front(Projection projection, double focal, std::optional<double> near = {},
+                           std::optional<double> far = {}) {
+  MeshOptions options = small(projection);
+  options.camera.position = Vec3{0, 0, 10};
+  options.camera.target = Vec3{0, 0, 0};
+  options.camera.focal = focal;
+  options.camera.s_min = near;
+  options.camera.s_max = far;
   return options;
 }
 
@@ -91,10 +104,7 @@ TEST(Parallel, ObliqueLinesRecedeToTheUpperRight) {
 }
 
 TEST(Parallel, OrthographicIsToScaleAtTheTargetAndDoesNotShrink) {
-  MeshOptions options = small(Projection::orthographic);
-  options.camera.position = Vec3{0, 0, 10};
-  options.camera.target = Vec3{0, 0, 0};
-  options.camera.focal = 400;
+  const MeshOptions options = from_the_front(Projection::orthographic, 400);
   Mesh mesh;
   for (const double depth : {-3.0, 0.0, 2.0}) {
     Face& face = mesh.faces.emplace_back();
@@ -117,12 +127,7 @@ TEST(Parallel, OrthographicIsToScaleAtTheTargetAndDoesNotShrink) {
 // A face is seen where the line of sight meets its front, whatever lies on the way to the viewer's place.
 TEST(Parallel, CullsByTheLineOfSight) {
   for (const Projection projection : {Projection::central, Projection::orthographic, Projection::oblique}) {
-    MeshOptions options = small(projection);
-    options.camera.position = Vec3{0, 0, 10};
-    options.camera.target = Vec3{0, 0, 0};
-    options.camera.focal = 100;
-    options.camera.s_min = 5;
-    options.camera.s_max = 20;
+    const MeshOptions options = from_the_front(projection, 100, 5, 20);
     Mesh mesh;
     // The right side of a box that stands at the left: its front is toward +x.
     Face& face = mesh.faces.emplace_back();
@@ -140,12 +145,7 @@ TEST(Parallel, CullsByTheLineOfSight) {
 // What is cut at the borders keeps its attributes linear in the picture.
 TEST(Parallel, ClipsLinearly) {
   for (const Projection projection : {Projection::orthographic, Projection::oblique}) {
-    MeshOptions options = small(projection);
-    options.camera.position = Vec3{0, 0, 10};
-    options.camera.target = Vec3{0, 0, 0};
-    options.camera.focal = 600;
-    options.camera.s_min = 8;
-    options.camera.s_max = 12;
+    const MeshOptions options = from_the_front(projection, 600, 8, 12);
     Mesh mesh;
     Face& face = mesh.faces.emplace_back();
     face.two_sided = true;
@@ -181,12 +181,7 @@ TEST(Parallel, ClipsLinearly) {
 
 // Two walls cross. At each pixel the nearer one is seen, by distances that are linear in the picture.
 TEST(Parallel, DepthIsLinearInTheDistance) {
-  MeshOptions options = small(Projection::orthographic);
-  options.camera.position = Vec3{0, 0, 10};
-  options.camera.target = Vec3{0, 0, 0};
-  options.camera.focal = 500;
-  options.camera.s_min = 5;
-  options.camera.s_max = 15;
+  const MeshOptions options = from_the_front(Projection::orthographic, 500, 5, 15);
   Mesh mesh;
   const auto wall = [&](double slope, double shade) {
     const Vec3 p[] = {{-3, -3, -3 * slope}, {3, -3, 3 * slope}, {3, 3, 3 * slope}, {-3, 3, -3 * slope}};

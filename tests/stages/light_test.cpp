@@ -290,6 +290,17 @@ TEST(Light, FallsWithTheDistance) {
   EXPECT_EQ(bright.brightness(), 2 - 0x1p-15);
 }
 
+// The stage in a draw state in which it takes the second unit's texels.
+model::LightStage stage_with(TextureOp op, const Config& c, const Scene& scene) {
+  model::LightStage stage = model::prepare_light(c, model::make_constants(c, scene), scene);
+  DrawState state = first_state(c);
+  state.texture1 = 0;
+  state.texture1_op = op;
+  model::set_light(stage, state);
+  EXPECT_TRUE(model::takes_texel(stage));
+  return stage;
+}
+
 // A texel of a map, and where the light stands in its field; the fragment is at 5, 7.
 LightRecord over_map(const std::array<int, 3>& texel, const std::array<double, 3>& place,
                      const Light& light) {
@@ -298,11 +309,7 @@ LightRecord over_map(const std::array<int, 3>& texel, const std::array<double, 3
   c.light_law = LightLaw::lunar;
   Scene scene = worked_scene();
   scene.light = light;
-  model::LightStage stage = model::prepare_light(c, model::make_constants(c, scene), scene);
-  DrawState state = first_state(c);
-  state.texture1 = 0;
-  state.texture1_op = TextureOp::relief;
-  model::set_light(stage, state);
+  const model::LightStage stage = stage_with(TextureOp::relief, c, scene);
   EXPECT_TRUE(stage.has_map);
   const auto raw = [&](double x, F id) {
     return static_cast<std::int64_t>(std::ldexp(x, c.format(id).fraction()));
@@ -354,11 +361,7 @@ double in_shadow(double red, const Light& light, LightFall fall = LightFall::non
   c.light_fall = fall;
   Scene scene = worked_scene();
   scene.light = light;
-  model::LightStage stage = model::prepare_light(c, model::make_constants(c, scene), scene);
-  DrawState state = first_state(c);
-  state.texture1 = 0;
-  state.texture1_op = TextureOp::shadow;
-  model::set_light(stage, state);
+  const model::LightStage stage = stage_with(TextureOp::shadow, c, scene);
   EXPECT_TRUE(stage.has_shadow);
   const auto raw = [&](double x, F id) {
     return static_cast<std::int64_t>(std::ldexp(x, c.format(id).fraction()));
