@@ -23,9 +23,14 @@ namespace {
 // The records that the span interpolator was fed, at the RTL's ports.
 std::vector<RtlInputs> inputs_of(const Config& config, const Trace& trace, std::int64_t b) {
   std::vector<RtlInputs> out;
+  std::size_t line = 0;
   for (const RowRecord& row : trace.row) {
+    for (; line < trace.line_walk.size() && trace.line_walk[line].triangle < row.triangle; ++line) {
+      out.push_back(rtl_inputs(config, trace.line_walk[line], b));
+    }
     out.push_back(rtl_inputs(config, row, b));
   }
+  for (; line < trace.line_walk.size(); ++line) out.push_back(rtl_inputs(config, trace.line_walk[line], b));
   std::size_t plane = 0;
   for (const PlaneRowRecord& row : trace.plane_row) {
     while (trace.plane.at(plane).triangle != row.triangle) {
@@ -166,10 +171,18 @@ class ChainBeside {
     model::select_target(pipeline_, scene_, targets_, target.k, frame_);
     if (state_.stencil_test) need_stencil(frame_);
   }
+  // Records are there in the order of their triangles.
+  bool is_line_next() const {
+    if (next_line_ == trace_.line_walk.size()) return false;
+    return next_row_ == trace_.row.size() ||
+           trace_.line_walk[next_line_].triangle < trace_.row[next_row_].triangle;
+  }
   // The next row, at the RTL's ports, where it stays: B may not change while a row is inside.
   void offer_row() {
     const std::int64_t b = pipeline_.constants.record.b;
-    if (!pipeline_.const_depth_rows) {
+    if (is_line_next()) {
+      rows_.in = rtl_inputs(config_, trace_.line_walk[next_line_], b);
+    } else if (!pipeline_.const_depth_rows) {
       const std::span ends = std::span(trace_.row_channel).subspan(next_end_, channels());
       rows_.in = rtl_inputs(config_, trace_.row[next_row_], b, ends);
     } else {
@@ -231,7 +244,12 @@ class ChainBeside {
   }
   void take_row() {
     row_stands_ = false;
-    ++next_row_;
+    if (is_line_next()) {
+      ++next_line_;
+      forget(trace_.line_walk, next_line_);
+    } else {
+      ++next_row_;
+    }
     if (pipeline_.const_depth_rows) {
       forget(trace_.plane_row, next_row_);
       forget(trace_.plane, next_plane_);
@@ -273,7 +291,8 @@ class ChainBeside {
   Counters counters_;
   Trace trace_;
   DrawState state_;
-  std::size_t next_row_ = 0, next_plane_ = 0, next_pixel_ = 0, next_gradient_ = 0, next_command_ = 0;
+  std::size_t next_row_ = 0, next_line_ = 0, next_plane_ = 0, next_pixel_ = 0, next_gradient_ = 0,
+              next_command_ = 0;
   std::size_t next_end_ = 0, next_channel_ = 0;  // of channels
   bool row_stands_ = false, pixel_stands_ = false;
   RtlDrive rows_{};

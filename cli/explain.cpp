@@ -348,8 +348,9 @@ int explain(const ExplainArguments& o) {
       }
     }
     const auto index = static_cast<std::size_t>(first->triangle);
-    fmt::print("\nfragment {} of {}: triangle {}{}\n", t + 1, touches, first->triangle, target_text(index));
     const Triangle& triangle = scene.triangles[index];
+    fmt::print("\nfragment {} of {}: {} {}{}\n", t + 1, touches, triangle.is_line ? "line" : "triangle",
+               first->triangle, target_text(index));
     // The closed form takes the triangle's view.
     static_cast<View&>(seen) = view_at(scene, index);
     for (std::size_t r = 0; r < first->records.size(); ++r) {

@@ -8,6 +8,7 @@
 
 #include "config/exact.hpp"
 #include "config/keys.hpp"
+#include "config/lines.hpp"
 #include "config/modes.hpp"
 #include "config/names.hpp"
 
@@ -227,6 +228,32 @@ Result check_lines(const Config& c) {
   return std::nullopt;
 }
 
+// What a line has not: a plane, and with it gradients and channels.
+Result check_line_walk(const Config& c) {
+  if (!has_lines(c.line_walk)) return std::nullopt;
+  const auto refuse = [&](std::string_view text) {
+    return Violation{"line.walk", "is " + std::string(to_string(c.line_walk)) + ", and " + std::string(text)};
+  };
+  if (has_plane_rows(c.perspective)) {
+    return refuse(
+        "a line has no rows of constant depth; legal: none, or perspective.mode = delta_f, hyperbolic, "
+        "affine");
+  }
+  if (has_setup_plane(c)) {
+    return refuse("a line has no plane; legal: none, or slope.row = divide, reciprocal");
+  }
+  if (has_setup_gradients(c)) {
+    return refuse(
+        "a line has no gradients; legal: none, or a depth.code other than float_dz and lod.mode none, "
+        "zone_s, "
+        "zone_d");
+  }
+  if (ChannelList(c).size() > 0) {
+    return refuse("a line has no channels; legal: none, or a configuration without channels");
+  }
+  return std::nullopt;
+}
+
 Result check_exact(const Config& c) {
   for (const ExactIntermediate& x : exact_intermediates(c)) {
     if (x.bits <= exact_bits_limit) continue;
@@ -309,6 +336,7 @@ Result first_violation(const Config& c) {
                          std::to_string(c.light_root.operand_bits) + "; legal: index_bits < operand_bits"};
   }
   if (auto v = check_lines(c)) return v;
+  if (auto v = check_line_walk(c)) return v;
   if (c.depth_overflow == Overflow::wrap_sm) {
     return Violation{
         "depth.overflow",

@@ -26,6 +26,8 @@ struct InputError : std::runtime_error {
 BITSPAN_ENUM(FillRule, top_left, inclusive);
 BITSPAN_ENUM(EdgeWalk, exact, dda);
 BITSPAN_ENUM(DdaUpdate, accumulate, multiply);
+// How lines between whole pixels go: they are not drawn; by Bresenham's integers; by a slope of plane.k.
+BITSPAN_ENUM(LineForm, none, exact, dda);
 BITSPAN_ENUM(Perspective, delta_f, const_depth_rows, hyperbolic, affine);
 BITSPAN_ENUM(Numerator, pixel_centre, ideal_line);
 // Colour and alpha are linear on the screen, or linear in space: then each pixel divides them, as u and v.
@@ -199,6 +201,9 @@ struct Config {
   FillRule fill_rule = FillRule::top_left;
   EdgeWalk edge_walk = EdgeWalk::exact;
   DdaUpdate dda_update = DdaUpdate::accumulate;
+
+  // [line]
+  LineForm line_walk = LineForm::none;
 
   // [perspective]
   Perspective perspective = Perspective::delta_f;

@@ -647,6 +647,14 @@ constexpr KeyRow rows[] = {
      "what merge in RTL has: the mix by alpha alone; or every blend, logic operation and destination alpha "
      "of the draw state",
      {.presence = Presence::later}},
+
+    {"line.walk",
+     MEMBER(line_walk),
+     {},
+     ", none in const_depth_rows, with slope.row = plane, with gradients or with channels",
+     values | rtl,
+     "B1: no lines are drawn; by the integers of Bresenham; by a slope of the format `plane.k`",
+     {.presence = Presence::later}},
 };
 
 #undef MEMBER

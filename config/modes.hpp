@@ -69,6 +69,42 @@ constexpr bool has_x_step(EdgeX x) {
 }
 constexpr bool has_x_step(const Config& config) { return has_x_step(edge_x_of(config)); }
 
+// ---------------------------------------------------------------- lines
+
+constexpr bool has_lines(LineForm walk) {
+  switch (walk) {
+    case LineForm::none:
+      return false;
+    case LineForm::exact:
+    case LineForm::dda:
+      return true;
+  }
+  unreachable();
+}
+// A line's slope is a register of its own; elsewhere its digital line goes by the ends' differences.
+constexpr bool has_line_slope(LineForm walk) {
+  switch (walk) {
+    case LineForm::dda:
+      return true;
+    case LineForm::none:
+    case LineForm::exact:
+      return false;
+  }
+  unreachable();
+}
+
+// The RTL walks a digital line by its slope alone.
+constexpr bool is_in_rtl(LineForm walk) {
+  switch (walk) {
+    case LineForm::none:
+    case LineForm::dda:
+      return true;
+    case LineForm::exact:
+      return false;
+  }
+  unreachable();
+}
+
 // ---------------------------------------------------------------- perspective
 
 // Triangles are walked along rows of constant depth; elsewhere along horizontal rows between two edges.

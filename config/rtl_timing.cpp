@@ -39,7 +39,7 @@ bool row_divides(const Config& c) {
 }  // namespace
 
 bool has_rtl(const Config& config) {
-  return is_in_rtl(config.row_slope) && !has_channel_dividers(config) &&
+  return is_in_rtl(config.row_slope) && is_in_rtl(config.line_walk) && !has_channel_dividers(config) &&
          (!has_pixel_reciprocal(config.perspective) ||
           (config.pixel_reciprocal.pipelined && !has_subspans(config)));
 }

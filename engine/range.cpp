@@ -238,7 +238,9 @@ class RangeCheck {
     if (has_perspective_shades(c_.shade_lines)) vertex_shades(triangles, first);
     if (has_second_coordinates(c_.second_coordinates)) vertex_second(triangles, first);
     if (view_.light && has_relief(c_)) vertex_relief(triangles, first);
-    if (by == RangeBy::bounds && surely_held(triangles)) return;
+    // The bounds know nothing of the ends of lines.
+    const bool has_line = std::ranges::any_of(triangles, &Triangle::is_line);
+    if (by == RangeBy::bounds && !has_line && surely_held(triangles)) return;
     for (const Triangle& t : triangles) triangle(t, first++);
   }
 
@@ -620,7 +622,7 @@ class RangeCheck {
     for (std::size_t i = 0; i < 3; ++i) p[i] = vertex(corners.v[i], index);
     std::ranges::stable_sort(
         p, [](const Point& a, const Point& b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); });
-    if (area_of(p) == 0) return;  // delivers no record
+    if (area_of(p) == 0 && !corners.is_line) return;  // delivers no record
     for (Point& v : p) {
       for (Real& t : v.uv) {
         add(F::setup_uv, t, index);
@@ -637,7 +639,9 @@ class RangeCheck {
         for (const Real t : v.uv) add(F::plane_g, t * (v.h + b_), index);
       }
     }
-    if (!planes) {
+    if (corners.is_line) {
+      line_ends(p[0], p[2], index);
+    } else if (!planes) {
       edge(p[0], p[2], index);
       edge(p[0], p[1], index);
       edge(p[1], p[2], index);
@@ -777,6 +781,16 @@ class RangeCheck {
   static Interval hull(const std::array<Point, 3>& p, Get get) {
     const auto [lo, hi] = std::minmax({get(p[0]), get(p[1]), get(p[2])});
     return {lo, hi};
+  }
+
+  void line_ends(const Point& a, const Point& b, std::int64_t index) {
+    const auto pixel = [](Real at) { return std::floor(at); };
+    const bool along_y = std::abs(pixel(b.y) - pixel(a.y)) > std::abs(pixel(b.x) - pixel(a.x));
+    for (const Point& end : {a, b}) {
+      add(F::edge_x, pixel(along_y ? end.y : end.x) + 0.5L, index);
+      for (const Real t : end.uv) add(F::edge_uv, t, index);
+      for (const Real c : end.c) add(F::edge_shade, c, index);
+    }
   }
 
   void edge(const Point& a, const Point& b, std::int64_t index) {

@@ -150,6 +150,18 @@ std::optional<Format> format_of(const Field& field, const Config& config, std::i
   F(g_step1, span_shade_step) F(b_step0, span_shade_step) F(b_step1, span_shade_step)                           \
   F(a_step0, span_shade_step) F(a_step1, span_shade_step)
 
+// line_walk: one per line that has pixels inside the viewport; l and r are its ends, r the one with the larger
+// major coordinate.
+#define BITSPAN_LINE_END(p, F, I, K)                                                                        \
+  F(p##_x, edge_x) /* the major coordinate of its pixel's centre */                                         \
+  F(p##_h, edge_h) F(p##_u, edge_uv) F(p##_v, edge_uv) F(p##_r, edge_shade) F(p##_g, edge_shade)            \
+  F(p##_b, edge_shade) F(p##_a, edge_shade)
+#define BITSPAN_LINE_WALK_RECORD(F, I, K)                                                                   \
+  I(triangle) I(major) /* 0: pixels follow each other in x; 1: in y */                                      \
+  I(major_first) I(minor_first) I(count) /* first pixel inside the viewport, and how many are */            \
+  I(phase) I(k) I(one) /* of the digital line there: phase and slope are phase / one and k / one */         \
+  BITSPAN_LINE_END(l, F, I, K) BITSPAN_LINE_END(r, F, I, K)
+
 // span_setup: one per span. In the modes with horizontal rows step1 repeats step0 and phase is 0.
 #define BITSPAN_SPAN_RECORD(F, I, K)                                                                        \
   I(triangle) I(x) I(y) /* first pixel */ I(count)                                                          \

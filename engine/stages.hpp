@@ -46,7 +46,8 @@ inline constexpr std::optional<Stage> no_clock;
   ROW(X, RowChannelRecord, BITSPAN_ROW_CHANNEL_RECORD, "edge_walk.channel", row_channel, Stage::edge_walk, row, setup_channel, row) \
   ROW(X, PlaneRecord,     BITSPAN_PLANE_RECORD,     "plane_walk",     plane,     Stage::edge_walk,  triangle, setup)     \
   ROW(X, PlaneRowRecord,  BITSPAN_PLANE_ROW_RECORD, "plane_walk.row", plane_row, Stage::edge_walk,  row,      plane)     \
-  ROW(X, SpanRecord,      BITSPAN_SPAN_RECORD,      "span_setup",     span,      Stage::span_setup, row,      setup_plane, row, plane_row) \
+  ROW(X, LineWalkRecord,  BITSPAN_LINE_WALK_RECORD, "line_walk",      line_walk, Stage::edge_walk,  row,      setup)     \
+  ROW(X, SpanRecord,      BITSPAN_SPAN_RECORD,      "span_setup",     span,      Stage::span_setup, row,      setup_plane, row, plane_row, line_walk) \
   ROW(X, SpanChannelRecord, BITSPAN_SPAN_CHANNEL_RECORD, "span_setup.channel", span_channel, Stage::span_setup, row, setup_channel, row_channel, span) \
   ROW(X, FragmentRecord,  BITSPAN_FRAGMENT_RECORD,  "span",           fragment,  Stage::span,       pixel,    span)      \
   ROW(X, FragmentChannelRecord, BITSPAN_FRAGMENT_CHANNEL_RECORD, "span.channel", fragment_channel, Stage::span, pixel, span_channel, fragment) \
@@ -118,9 +119,10 @@ constexpr const StageRow& row_of(RecordType type) { return stage_table[static_ca
 // Whether a configuration or a draw state switches the record on, so that a run without any has it off.
 constexpr bool is_switched(RecordType type) {
   return type == RecordType::state || type == RecordType::gradient || type == RecordType::setup_plane ||
-         type == RecordType::stencil || type == RecordType::distance || type == RecordType::lod ||
-         type == RecordType::project || type == RecordType::texture_second || type == RecordType::light ||
-         type == RecordType::candidate || type == RecordType::merge_alpha || row_of(type).per_channel();
+         type == RecordType::line_walk || type == RecordType::stencil || type == RecordType::distance ||
+         type == RecordType::lod || type == RecordType::project || type == RecordType::texture_second ||
+         type == RecordType::light || type == RecordType::candidate || type == RecordType::merge_alpha ||
+         row_of(type).per_channel();
 }
 
 }  // namespace bitspan

@@ -18,6 +18,7 @@
 #include "golden/fog.hpp"
 #include "golden/lanes.hpp"
 #include "golden/light.hpp"
+#include "golden/line_walk.hpp"
 #include "golden/lines.hpp"
 #include "golden/lod.hpp"
 #include "golden/mask.hpp"
@@ -119,7 +120,8 @@ class GoldenEngine final : public Engine, public RowEngine {
         covered = covered.subspan(static_cast<std::size_t>(before.count));
       }
     }
-    draw_spans(first_span, by_planes() ? &planes_.plane : nullptr, covered, image(texture), out);
+    draw_spans(first_span, {.plane = by_planes() ? &planes_.plane : nullptr, .covered = covered},
+               image(texture), out);
     unkept_.clear();
   }
 
@@ -208,6 +210,7 @@ class GoldenEngine final : public Engine, public RowEngine {
         span_setup_ = make_span_setup(with(precision_.span_setup), config_, constants_);
       }
     }
+    line_walk_ = make_line_walk(config_, scene.width, scene.height);
     span_ = make_span(with(precision_.span), config_, constants_);
     if (has_setup_gradients(config_)) {
       gradients_ = make_gradients(with(precision_.gradient), config_, constants_);
@@ -285,6 +288,13 @@ class GoldenEngine final : public Engine, public RowEngine {
       return;
     }
     out.setup.push_back(*setup);
+    if (triangle.is_line) {
+      back_ = false;
+      first_ = out.fragment.size();
+      first_channel_ = out.fragment_channel.size();
+      draw_line(*setup, image(triangle.texture), out);
+      return;
+    }
     if (has_setup_gradients(config_)) {
       gradient_ = gradients_(*setup);
       out.gradient.push_back(gradient_);
@@ -329,7 +339,7 @@ class GoldenEngine final : public Engine, public RowEngine {
       out.span.push_back(span_of(out.row[i], row_channels.first(of_row), out));
       row_channels = row_channels.subspan(of_row);
     }
-    draw_spans(first_span, nullptr, {}, texture, out);
+    draw_spans(first_span, {}, texture, out);
   }
 
   void draw_planes(const SetupRecord& setup, const Texture* texture, Trace& out) {
@@ -341,13 +351,24 @@ class GoldenEngine final : public Engine, public RowEngine {
     const std::size_t first_span = out.span.size();
     for (const PlaneRowRecord& row : planes_.rows) out.span.push_back(span_of(row));
     out.span_channel.insert(out.span_channel.end(), planes_.channels.begin(), planes_.channels.end());
-    draw_spans(first_span, &planes_.plane, planes_.covered, texture, out);
+    draw_spans(first_span, {.plane = &planes_.plane, .covered = planes_.covered}, texture, out);
   }
 
-  // The triangle's spans, those from first_span on, as many at a time as make a batch of fragments. covered:
-  // of their pixels; empty in the modes with horizontal rows.
-  void draw_spans(std::size_t first_span, const PlaneRecord* plane, std::span<const std::uint8_t> covered,
-                  const Texture* texture, Trace& out) {
+  void draw_line(const SetupRecord& setup, const Texture* texture, Trace& out) {
+    const std::optional<LineWalkRecord> line = line_walk_(setup);
+    if (!line) return;
+    out.line_walk.push_back(*line);
+    if (has_line_slope(config_.line_walk)) ++counters_.divides_edge;
+    SpanRecord span = span_of(row_of(*line), {}, out);
+    if (line->major == 1) std::swap(span.x, span.y);
+    if (has_line_slope(config_.line_walk)) span.phase = line->phase;
+    const std::size_t first_span = out.span.size();
+    out.span.push_back(span);
+    draw_spans(first_span, {.line = &*line}, texture, out);
+  }
+
+  // The triangle's spans, those from first_span on, as many at a time as make a batch of fragments.
+  void draw_spans(std::size_t first_span, SpanPath path, const Texture* texture, Trace& out) {
     const std::span spans = std::span<const SpanRecord>(out.span).subspan(first_span);
     const std::size_t of_span = constants_.channels.size();
     const std::span channels =
@@ -357,9 +378,10 @@ class GoldenEngine final : public Engine, public RowEngine {
     for (std::size_t i = 0; i < spans.size(); ++i) {
       count += static_cast<std::size_t>(spans[i].count);
       if (count < lanes && i + 1 < spans.size()) continue;
-      const auto flags = plane != nullptr ? covered.first(count) : std::span<const std::uint8_t>();
+      SpanPath of_batch = path;
+      if (path.plane != nullptr) of_batch.covered = path.covered.first(count);
       span_(spans.subspan(begin, i + 1 - begin), channels.subspan(begin * of_span, (i + 1 - begin) * of_span),
-            plane, flags, out.fragment, out.fragment_channel);
+            of_batch, out.fragment, out.fragment_channel);
       counters_.fragments += count;
       if (has_pixel_reciprocal(config_.perspective)) counters_.divides_pixel += count;
       if (has_subspans(config_)) {
@@ -376,7 +398,7 @@ class GoldenEngine final : public Engine, public RowEngine {
         counters_.divides_pixel += (2 + static_cast<std::size_t>(divided)) * count;
       }
       draw_fragments(texture, out);
-      if (plane != nullptr) covered = covered.subspan(count);
+      if (path.plane != nullptr) path.covered = path.covered.subspan(count);
       begin = i + 1;
       count = 0;
     }
@@ -634,6 +656,7 @@ class GoldenEngine final : public Engine, public RowEngine {
   SetupPlaneStage setup_plane_;
   EdgeWalkStage edge_walk_;
   PlaneWalkStage plane_walk_;
+  LineWalkStage line_walk_;
   SpanSetupStage span_setup_;
   TriangleSpanSetupStage triangle_span_setup_;
   PlaneSpanSetupStage plane_span_setup_;

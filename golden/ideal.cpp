@@ -659,7 +659,9 @@ class IdealEngine final : public Engine {
     std::int64_t index = first_index;
     for (const Triangle& triangle : triangles) {
       ++counters_.triangles;
-      if (const auto t = ideal_triangle(config_, triangle)) {
+      if (triangle.is_line) {
+        draw_line(triangle, index);
+      } else if (const auto t = ideal_triangle(config_, triangle)) {
         back_ = state_.stencil_test && golden::runs_clockwise(config_, triangle);
         triangle_dz_ = log2_of_dz(config_, *scene_, *t);
         golden::for_each_covered(
@@ -727,6 +729,20 @@ class IdealEngine final : public Engine {
     planes_.alpha.assign(pixels, 255);
     planes_.held.clear();
     planes_.stale = true;
+  }
+
+  void draw_line(const Triangle& triangle, std::int64_t index) {
+    if (!has_lines(config_.line_walk)) {
+      throw InputError("triangle " + std::to_string(index) +
+                       " is a line, and line.walk = none draws no lines; legal: line.walk = exact, dda");
+    }
+    back_ = false;
+    triangle_dz_ = 0;
+    const IdealLine line = ideal_line(config_, triangle);
+    for (const IdealLine::Pixel& p : line.pixels) {
+      if (p.x < 0 || p.x >= planes_.frame.width || p.y < 0 || p.y >= planes_.frame.height) continue;
+      pixel(line.shape, index, p.weight, p.x, p.y);
+    }
   }
 
   void pixel(const IdealTriangle& t, std::int64_t index, const Areas& areas, std::int64_t x, std::int64_t y) {

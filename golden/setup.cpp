@@ -42,7 +42,7 @@ class Setup {
       v[at] = vertex;
     }
     const Real area = (v[1].x - v[0].x) * (v[2].y - v[0].y) - (v[2].x - v[0].x) * (v[1].y - v[0].y);
-    if (area == 0) return std::nullopt;
+    if (area == 0 && !triangle.is_line) return std::nullopt;
     SetupRecord out;
     out.triangle = index;
     out.mid_right = area > 0 ? 1 : 0;

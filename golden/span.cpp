@@ -5,6 +5,7 @@
 
 #include "config/modes.hpp"
 #include "golden/lanes.hpp"
+#include "golden/line_walk.hpp"
 #include "golden/reciprocal.hpp"
 #include "golden/values.hpp"
 #include "golden/with_real.hpp"
@@ -51,8 +52,8 @@ class SpanWalker {
   }
 
   void operator()(std::span<const SpanRecord> spans, std::span<const SpanChannelRecord> channels,
-                  const PlaneRecord* plane, std::span<const std::uint8_t> covered,
-                  std::vector<FragmentRecord>& out, std::vector<FragmentChannelRecord>& out_channels) const {
+                  SpanPath path, std::vector<FragmentRecord>& out,
+                  std::vector<FragmentChannelRecord>& out_channels) const {
     const std::size_t first = out.size();
     std::size_t count = 0;
     for (const SpanRecord& span : spans) count += static_cast<std::size_t>(span.count);
@@ -61,12 +62,12 @@ class SpanWalker {
     std::span<FragmentRecord> rest = fragments;
     for (const SpanRecord& span : spans) {
       const auto n = static_cast<std::size_t>(span.count);
-      walk(span, plane, covered, rest.first(n));
+      walk(span, path, rest.first(n));
       const std::size_t of_span = walked_.size() - fixed_lines;
-      walk_channels(span, channels.first(of_span), plane, rest.first(n), out_channels);
+      walk_channels(span, channels.first(of_span), path, rest.first(n), out_channels);
       channels = channels.subspan(of_span);
       rest = rest.subspan(n);
-      if (plane != nullptr) covered = covered.subspan(n);
+      if (path.plane != nullptr) path.covered = path.covered.subspan(n);
     }
     for (std::size_t at = 0; at < count; at += lanes) {
       finish(fragments.subspan(at, std::min(lanes, count - at)));
@@ -87,15 +88,27 @@ class SpanWalker {
     bool divides = false;  // a channel that is the quotient by h + B
   };
 
-  // The digital line that the pixels follow; horizontal without a plane.
+  // The digital line that the pixels follow; horizontal without a plane or a line.
   struct DigitalLine {
+    const LineWalkRecord* line;
     bool slanted, major_is_y;
     Real k, phase;
-    DigitalLine(const PlaneRecord* plane, Real slope, Real start)
-        : slanted(plane != nullptr), major_is_y(slanted && plane->major == 1), k(slope), phase(start) {}
+    std::int64_t pixel = 0;  // of a line
+    DigitalLine(const SpanPath& path, Real slope, Real start)
+        : line(path.line),
+          slanted(path.plane != nullptr),
+          major_is_y(slanted && path.plane->major == 1),
+          k(slope),
+          phase(start) {}
 
-    // Moves to the next pixel; 1 where the line steps in the minor coordinate, else 0.
+    // Moves to the next pixel; 1 where the steps of the other kind are due, which a line has not, else 0.
     std::size_t advance(std::int64_t& x, std::int64_t& y) {
+      if (line != nullptr) {
+        ++pixel;
+        (line->major == 1 ? y : x) = line->major_first + pixel;
+        (line->major == 1 ? x : y) = minor_at(*line, pixel);
+        return 0;
+      }
       if (!slanted) {
         ++x;
         return 0;
@@ -135,8 +148,7 @@ class SpanWalker {
 
   // The registers in front of each pixel. What finish() makes of them stands in their place until then: u1
   // and v1 in u and v, the shades' accumulators in r, g, b and a.
-  void walk(const SpanRecord& span, const PlaneRecord* plane, std::span<const std::uint8_t> covered,
-            std::span<FragmentRecord> out) const {
+  void walk(const SpanRecord& span, const SpanPath& path, std::span<FragmentRecord> out) const {
     std::array<Walked<Real>, fixed_lines> registers;
     for (std::size_t i = 0; i < fixed_lines; ++i) {
       const WalkedLine& line = walked_[i];
@@ -147,7 +159,7 @@ class SpanWalker {
     bool exact = true;
     for (const Walked<Real>& r : registers) exact = exact && r.q->holds_walk(r.value, r.step, span.count);
 
-    DigitalLine line = line_along(span, plane);
+    DigitalLine line = line_along(span, path);
     std::int64_t x = span.x;
     std::int64_t y = span.y;
     for (std::size_t i = 0; i < out.size(); ++i) {
@@ -155,7 +167,7 @@ class SpanWalker {
       f.triangle = span.triangle;
       f.x = x;
       f.y = y;
-      f.covered = plane != nullptr ? covered[i] : 1;
+      f.covered = path.plane != nullptr ? path.covered[i] : 1;
       for (std::size_t k = 0; k < fixed_lines; ++k) {
         f.*fragment_fields[k] = registers[k].q->raw(registers[k].value);
       }
@@ -178,7 +190,7 @@ class SpanWalker {
 
   // The channels of the same pixels, whose fragments have been walked.
   void walk_channels(const SpanRecord& span, std::span<const SpanChannelRecord> channels,
-                     const PlaneRecord* plane, std::span<const FragmentRecord> fragments,
+                     const SpanPath& path, std::span<const FragmentRecord> fragments,
                      std::vector<FragmentChannelRecord>& out) const {
     if (channels.empty()) return;
     std::array<Walked<Real>, channel_limit> registers;
@@ -186,7 +198,7 @@ class SpanWalker {
       const SpanChannelRecord& from = channels[k];
       registers[k] = start_of(walked_[fixed_lines + k], from.w, from.w_step0, from.w_step1);
     }
-    DigitalLine line = line_along(span, plane);
+    DigitalLine line = line_along(span, path);
     std::int64_t x = span.x;
     std::int64_t y = span.y;
     const bool divides = std::ranges::any_of(walked_, &WalkedLine::divides);
@@ -211,8 +223,8 @@ class SpanWalker {
     if (has_pixel_reciprocal(perspective_)) return line.q_kept.product(inverse.times(value));
     return line.q_kept.quotient(value, q <= 0 ? least_ : q);
   }
-  DigitalLine line_along(const SpanRecord& span, const PlaneRecord* plane) const {
-    return {plane, plane != nullptr ? q_k_.value(plane->k) : Real(0), Real(span.phase) * phase_ulp_};
+  DigitalLine line_along(const SpanRecord& span, const SpanPath& path) const {
+    return {path, path.plane != nullptr ? q_k_.value(path.plane->k) : Real(0), Real(span.phase) * phase_ulp_};
   }
 
   // At most `lanes` fragments.

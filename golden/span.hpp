@@ -12,12 +12,19 @@
 
 namespace bitspan::golden {
 
-// Takes spans of a triangle, the channels in use of each, its plane and the covered flags of their pixels;
-// appends the fragments, and their channels. The plane is null and the flags are empty in the modes with
-// horizontal rows.
-using SpanStage = std::function<void(std::span<const SpanRecord>, std::span<const SpanChannelRecord>,
-                                     const PlaneRecord*, std::span<const std::uint8_t>,
-                                     std::vector<FragmentRecord>&, std::vector<FragmentChannelRecord>&)>;
+// What the pixels of spans follow, where that is not a horizontal row: the plane of a triangle, whose flags
+// say which pixels are covered, or a line.
+struct SpanPath {
+  const PlaneRecord* plane = nullptr;
+  std::span<const std::uint8_t> covered{};
+  const LineWalkRecord* line = nullptr;
+};
+
+// Takes spans of a triangle, the channels in use of each, and what they follow; appends the fragments, and
+// their channels.
+using SpanStage =
+    std::function<void(std::span<const SpanRecord>, std::span<const SpanChannelRecord>, SpanPath,
+                       std::vector<FragmentRecord>&, std::vector<FragmentChannelRecord>&)>;
 SpanStage make_span(Arithmetic arithmetic, const Config& config, const Constants& constants);
 
 }  // namespace bitspan::golden

@@ -9,7 +9,10 @@
 
 namespace bitspan {
 
-std::optional<IdealTriangle> ideal_triangle(const Config& config, const Triangle& triangle) {
+namespace {
+
+// In the order of the edge walk.
+IdealTriangle snapped(const Config& config, const Triangle& triangle) {
   using Corner = IdealTriangle::Corner;
   const golden::Quantizer<long double> snap(config.coordinate_format());
   IdealTriangle out;
@@ -27,12 +30,41 @@ std::optional<IdealTriangle> ideal_triangle(const Config& config, const Triangle
   }
   std::stable_sort(out.v.begin(), out.v.end(),
                    [](const Corner& a, const Corner& b) { return a.y < b.y || (a.y == b.y && a.x < b.x); });
+  out.subpixel_bits = config.subpixel_bits;
+  out.texture = triangle.texture;
+  return out;
+}
+
+}  // namespace
+
+std::optional<IdealTriangle> ideal_triangle(const Config& config, const Triangle& triangle) {
+  IdealTriangle out = snapped(config, triangle);
   const golden::Wide area =
       golden::area_of(golden::point_of(out.v[0]), golden::point_of(out.v[1]), golden::point_of(out.v[2]));
   if (area == 0) return std::nullopt;
-  out.subpixel_bits = config.subpixel_bits;
   out.mid_right = area > 0;
-  out.texture = triangle.texture;
+  return out;
+}
+
+IdealLine ideal_line(const Config& config, const Triangle& line) {
+  IdealLine out;
+  out.shape = snapped(config, line);
+  const auto pixel = [&](std::int64_t at) { return at >> config.subpixel_bits; };
+  const IdealTriangle::Corner& from = out.shape.v[0];
+  const IdealTriangle::Corner& to = out.shape.v[2];
+  const std::int64_t x = pixel(from.x), y = pixel(from.y);
+  const std::int64_t dx = pixel(to.x) - x, dy = pixel(to.y) - y;  // dy >= 0
+  const std::int64_t n = std::max(std::abs(dx), dy);
+  for (std::int64_t i = 0; i <= n; ++i) {
+    // The nearest pixel to the true line, the one with the larger coordinate of two that are as near.
+    const auto near = [&](std::int64_t d) {
+      const std::int64_t twice = 2 * d * i + n;
+      const std::int64_t down = twice / (2 * n);
+      return twice < 0 && down * 2 * n != twice ? down - 1 : down;
+    };
+    out.pixels.push_back({n == 0 ? x : x + near(dx), n == 0 ? y : y + near(dy), {{n - i, 0, i}, n}});
+    if (n == 0) out.pixels.back().weight = {{1, 0, 0}, 1};
+  }
   return out;
 }
 

@@ -8,6 +8,7 @@
 #include <compare>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "config/config.hpp"
 #include "scene/scene.hpp"
@@ -106,4 +107,16 @@ long double depth_code(const Config& config, const Scene& scene, long double q);
 long double h_max(const Config& config);
 
 }  // namespace golden
+
+// A line [B1] between the pixels of its ends: each pixel that is the nearest one to the true line, inside a
+// picture or not, from vertex 0 of the shape to vertex 2, whose shares are the weights.
+struct IdealLine {
+  struct Pixel {
+    std::int64_t x, y;
+    golden::Areas weight;
+  };
+  IdealTriangle shape;
+  std::vector<Pixel> pixels;
+};
+IdealLine ideal_line(const Config& config, const Triangle& line);
 }  // namespace bitspan

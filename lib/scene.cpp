@@ -472,6 +472,10 @@ bs_status bs_scene_triangles(bs_scene* scene, const bs_vertex** vertices, const 
     need(vertices, "bs_scene_triangles: vertices");
     need(textures, "bs_scene_triangles: textures");
     need(count, "bs_scene_triangles: count");
+    if (std::ranges::any_of(state->scene.triangles, &Triangle::is_line)) {
+      fail(BS_BAD_INPUT,
+           "bs_scene_triangles: the scene has lines; expected triangles alone, or bs_draw_scene");
+    }
     *vertices = state->vertices.data();
     *textures = state->texture_of.data();
     *count = state->texture_of.size();

@@ -43,6 +43,7 @@ inline constexpr std::array stage_types = [] {
   types[BS_STAGE_PROJECT] = project;
   types[BS_STAGE_LIGHT] = light;
   types[BS_STAGE_CANDIDATE] = candidate;
+  types[BS_STAGE_LINE_WALK] = line_walk;
   return types;
 }();
 static_assert(std::ranges::all_of(stage_table,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -96,6 +97,10 @@ class OverriddenModel final : public Engine, public RowEngine {
   }
 
   void draw_one(const Triangle& triangle, std::int64_t index) {
+    if (triangle.is_line) {
+      throw InputError("triangle " + std::to_string(index) +
+                       " is a line, and an engine whose records may be changed has none; legal: triangles");
+    }
     ++run_.counters.triangles;
     SetupRecord vertices;
     if (!model::setup(run_.pipeline.setup, triangle, index, vertices)) {

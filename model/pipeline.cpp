@@ -46,6 +46,7 @@ void prepare_view(Pipeline& p, const Config& config, const Scene& scene, Watch w
   if (p.by_plane) p.setup_plane = prepare_setup_plane(config, p.constants);
   p.edge_walk = prepare_edge_walk(config, p.constants, scene.width, scene.height);
   p.plane_walk = prepare_plane_walk(config, p.constants, scene.width, scene.height);
+  p.line_walk = prepare_line_walk(config, scene.width, scene.height);
   p.span_setup = prepare_span_setup(config, p.constants);
   p.span = prepare_span(config, p.constants);
   p.channels = prepare_channels(config, p.constants, scene);
@@ -290,9 +291,22 @@ void Rows::clear() {
   triangle_planes.clear();
   triangle_channels.clear();
   row_channels.clear();
+  lines.clear();
 }
 
 namespace {
+
+template <class Watch>
+void add_line(const Pipeline& pipeline, const SetupRecord& vertices, Rows& out, Counters& counters,
+              Trace* trace, Watch watch) {
+  WalkedLine line;
+  if (!line_walk(pipeline.line_walk, vertices, line, watch)) return;
+  out.rows.push_back(row_of(line.record));
+  out.lines.push_back(line);
+  ++counters.rows;
+  counters.divides_edge += pipeline.line_walk.divides_per_line;
+  deliver(trace, line.record);
+}
 
 template <class Watch>
 void add_channels(const Pipeline& pipeline, const Triangle& triangle, const SetupRecord& vertices,
@@ -317,6 +331,10 @@ bool triangle_to_rows(const Pipeline& pipeline, const Triangle& triangle, std::i
     return false;
   }
   deliver(trace, vertices);
+  if (triangle.is_line) {
+    add_line(pipeline, vertices, out, counters, trace, watch);
+    return true;
+  }
   if (pipeline.has_gradients) {
     out.gradients.push_back(setup_gradients(pipeline.plane_walk, vertices, watch));
     deliver(trace, out.gradients.back());
@@ -379,6 +397,8 @@ SpanRecord row_to_span(const Pipeline& pipeline, const Rows& rows, std::size_t i
   } else if (pipeline.by_plane) {
     const RowRecord& row = rows.rows[i];
     divides = span_setup(pipeline.span_setup, row, triangle_plane_of(rows, row.triangle), span, watch);
+  } else if (const WalkedLine* line = line_of(rows, i); line != nullptr) {
+    divides = span_setup(pipeline.span_setup, line->record, span, watch);
   } else {
     divides = span_setup(pipeline.span_setup, rows.rows[i], span, watch);
   }
@@ -426,7 +446,16 @@ void channels_of_row(const Pipeline& pipeline, Rows& rows, std::size_t i, const 
   }
 }
 
+const WalkedLine* line_of(const Rows& rows, std::size_t i) {
+  if (rows.lines.empty()) return nullptr;
+  const std::int64_t triangle = rows.rows[i].triangle;
+  const auto found = std::ranges::lower_bound(rows.lines, triangle, {},
+                                              [](const WalkedLine& l) { return l.record.triangle; });
+  return found == rows.lines.end() || found->record.triangle != triangle ? nullptr : &*found;
+}
+
 const PlaneGeometry* geometry_of(const Rows& rows, std::size_t i) {
+  if (const WalkedLine* line = line_of(rows, i); line != nullptr) return &line->geometry;
   return rows.plane_of.empty() ? nullptr : &rows.planes[static_cast<std::size_t>(rows.plane_of[i])];
 }
 

@@ -26,6 +26,7 @@
 #include "model/stages/edge_walk.hpp"
 #include "model/stages/fog.hpp"
 #include "model/stages/light.hpp"
+#include "model/stages/line_walk.hpp"
 #include "model/stages/lod.hpp"
 #include "model/stages/merge.hpp"
 #include "model/stages/plane_walk.hpp"
@@ -49,6 +50,7 @@ struct Pipeline {
   SetupPlaneStage setup_plane;
   EdgeWalkStage edge_walk;
   PlaneWalkStage plane_walk;
+  LineWalkStage line_walk;
   SpanSetupStage span_setup;
   SpanStage span;
   ChannelStage channels;
@@ -128,6 +130,7 @@ struct Rows {
   std::vector<PlaneRowRecord> plane_rows;
   std::vector<PlaneGeometry> planes;      // const_depth_rows: one per triangle that has an area
   std::vector<std::int32_t> plane_of;     // index into planes, one a plane row
+  std::vector<WalkedLine> lines;          // those of `rows` that are lines, by their index
   std::vector<GradientRecord> gradients;  // where depth or lod takes them: one per triangle that has an area
   std::vector<TrianglePlane> triangle_planes;  // slope.row = plane: one per triangle that has an area
   // Where channels are in use: one per triangle that has an area, and one per row whose ends carry values.
@@ -154,7 +157,9 @@ const GradientRecord* gradient_of(const Rows& rows, std::int64_t triangle);
 const TrianglePlane& triangle_plane_of(const Rows& rows, std::int64_t triangle);
 // The channels of a triangle by its index, where some are in use.
 TriangleChannels& triangle_channels_of(Rows& rows, std::int64_t triangle);
-// The digital line of row i for start_span; null in the other modes.
+// The line that row i is; null where it is of a triangle.
+const WalkedLine* line_of(const Rows& rows, std::size_t i);
+// The digital line of row i for start_span: of a line, and in const_depth_rows; else null.
 const PlaneGeometry* geometry_of(const Rows& rows, std::size_t i);
 // Step two, second half: appends the span's fragments. Counts fragments, covered, divides_pixel,
 // divides_saved.
@@ -333,6 +338,7 @@ struct DrawBuffers {
   PlaneWalkState walk;
   std::vector<FragmentRecord> fragments;
   std::vector<FragmentChannels> channels;
+  std::uint64_t rows_above = 0;  // BandEngine::rows_above
 };
 // The three steps for triangles in order, one fragment after another, in any draw state. Throws InputError as
 // check_triangle does.

@@ -403,6 +403,15 @@ void ErrorMeter::add(const Truth& truth, std::int64_t first_index, const Trace& 
   for (std::size_t n = 0; n < truth.size(); ++n) {
     const std::int64_t index = first_index + static_cast<std::int64_t>(n);
     if (!truth.triangle(n)) {
+      // Without an area nothing has a record, but for a line, which the closed form does not take.
+      const auto pass = [&](std::size_t& at, const auto& records) {
+        while (at < records.size() && records[at].triangle == index) ++at;
+      };
+      pass(setup, trace.setup);
+      pass(fragment, trace.fragment);
+      pass(depth, trace.depth);
+      pass(texture, trace.texture);
+      pass(fog, trace.fog);
       continue;
     }
     for (; setup < trace.setup.size() && trace.setup[setup].triangle == index; ++setup) {

@@ -111,6 +111,8 @@ Scene fuzz_scene(const FuzzPlan& plan, std::uint64_t index, int draw, const Conf
   if (!with_designs && translucency.chance(0.125)) draw_translucency(translucency, scene);
   Random given(fuzz_seed(plan.seed, index, 101));
   draw_given_attributes(given, scene, 0.3);
+  Random lines(fuzz_seed(plan.seed, index, 106));
+  if (has_lines(config.line_walk)) draw_lines(lines, scene, lines.uniform(0, 0.6));
   scene.name = fmt::format("fuzz seed {} case {}", plan.seed, index);
   return scene;
 }

@@ -56,6 +56,9 @@ std::optional<Scene> layered_picture_of(const Scene& scene) {
 }
 
 std::string layer_refusal(const Config& config, const Scene& picture) {
+  if (std::ranges::any_of(picture.triangles, &Triangle::is_line)) {
+    return "the scene has lines, which have no surface; legal for the layers of an oracle: triangles";
+  }
   DrawState state = all_states_of(config, picture.commands).back();
   const auto held = state_values(state), first = state_values(first_state(config));
   // What merges otherwise than over what lies behind, and what lets a fragment leave something out.

@@ -78,6 +78,7 @@ Json triangle_json(const Triangle& triangle) {
   if (triangle.texture >= 0) {
     out["tex"] = triangle.texture;
   }
+  if (triangle.is_line) out["line"] = true;
   return out;
 }
 
@@ -94,6 +95,7 @@ Triangle triangle_of(const Json& json) {
     for (std::size_t i = 0; i < 3; ++i) triangle.v[i].*given.member = values[i];
   }
   triangle.texture = json.value("tex", -1);
+  triangle.is_line = json.value("line", false);
   return triangle;
 }
 

@@ -268,6 +268,33 @@ void add_subspans(std::vector<SuiteFeature>& out) {
   }
 }
 
+// Every second triangle becomes a line.
+void into_lines(Scene& s) {
+  for (std::size_t i = 1; i < s.triangles.size(); i += 2) {
+    s.triangles[i].is_line = true;
+    s.triangles[i].v[2] = s.triangles[i].v[1];
+  }
+}
+
+void add_lines(std::vector<SuiteFeature>& out) {
+  // Three fraction bits of the slope, so that a dda's line is another one.
+  const auto walked = [](LineForm walk) -> SuiteSetting {
+    return [=](Config& c, Scene& s) {
+      c.line_walk = walk;
+      Format& k = c.format(FormatId::plane_k);
+      k.word = k.integer + 3;
+      into_lines(s);
+    };
+  };
+  for (const auto& [walk, other] :
+       {std::pair(LineForm::exact, LineForm::dda), std::pair(LineForm::dda, LineForm::exact)}) {
+    out.push_back({fmt::format("line.{}", to_string(walk)), RecordType::fragment, SuiteNeeds::effect,
+                   walked(walk), walked(other), walks_edges});
+  }
+  out.push_back({"line.drawn", RecordType::fragment, SuiteNeeds::effect, walked(LineForm::exact),
+                 config_only([](Config& c) { c.line_walk = LineForm::exact; }), walks_edges});
+}
+
 void add_numbers(std::vector<SuiteFeature>& out) {
   // The register of u and v: five fraction bits, so that every mode has something to round.
   for (const Rounding rounding : all_of<Rounding>()) {
@@ -1113,6 +1140,7 @@ std::vector<SuiteFeature> make_features() {
   add_raster(out);
   add_slopes(out);
   add_subspans(out);
+  add_lines(out);
   add_numbers(out);
   add_depth(out);
   add_texture(out);

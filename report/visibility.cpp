@@ -191,6 +191,9 @@ bool goes_by_given_depth(const Config& config, const Scene& scene) {
 }
 
 std::string visibility_refusal(const Config& config, const Scene& scene) {
+  if (std::ranges::any_of(scene.triangles, &Triangle::is_line)) {
+    return "the scene has lines, which have no surface; legal for oracles: triangles";
+  }
   if (has_x_step(config)) {
     return "raster.edge_walk: a dda's coverage is not that of the exact test; legal for oracles: exact";
   }

@@ -16,9 +16,11 @@ module area_pins (
   localparam int EndsW = 2 * bitspan_cfg_pkg::EdgeXW + 2 * bitspan_cfg_pkg::EdgeHW + 4 * bitspan_cfg_pkg::EdgeUvW;
   localparam int PlaneW = bitspan_cfg_pkg::PhaseW + bitspan_cfg_pkg::PlaneKW + bitspan_cfg_pkg::SpanHW +
       2 * bitspan_cfg_pkg::SpanFW + 4 * bitspan_cfg_pkg::SpanFStepW;
+  localparam int LineW = (bitspan_cfg_pkg::DigitalLine != bitspan_cfg_pkg::ConstDepthRows) ?
+      bitspan_cfg_pkg::PhaseW + bitspan_cfg_pkg::PlaneKW : 0;
   localparam int RowW = (bitspan_cfg_pkg::ConstDepthRows != 0) ?
       PlaneW + ((bitspan_cfg_pkg::Lines > 3) ? bitspan_cfg_pkg::SidesAccW + 2 * bitspan_cfg_pkg::SidesStepW : 0) :
-      EndsW + ((bitspan_cfg_pkg::Lines > 3) ? 2 * bitspan_cfg_pkg::SidesEndW : 0);
+      LineW + EndsW + ((bitspan_cfg_pkg::Lines > 3) ? 2 * bitspan_cfg_pkg::SidesEndW : 0);
   localparam int InW = bitspan_cfg_pkg::SetupBW + 2 * IndexW + RowW;
   localparam int PixelW = IndexW + 2 + bitspan_cfg_pkg::SpanHW + 2 * bitspan_cfg_pkg::SpanUvW +
       ((bitspan_cfg_pkg::Lines > 3) ? bitspan_cfg_pkg::SidesW : 0);

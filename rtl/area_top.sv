@@ -9,9 +9,12 @@ module area_top #(
     parameter int PlaneW = bitspan_cfg_pkg::PhaseW + bitspan_cfg_pkg::PlaneKW + bitspan_cfg_pkg::SpanHW +
         2 * bitspan_cfg_pkg::SpanFW + 4 * bitspan_cfg_pkg::SpanFStepW,
     parameter int PlaneShadesW = bitspan_cfg_pkg::SidesAccW + 2 * bitspan_cfg_pkg::SidesStepW,
+    // The phase and the slope of a line.
+    parameter int LineW = (bitspan_cfg_pkg::DigitalLine != bitspan_cfg_pkg::ConstDepthRows) ?
+        bitspan_cfg_pkg::PhaseW + bitspan_cfg_pkg::PlaneKW : 0,
     parameter int RowW = (bitspan_cfg_pkg::ConstDepthRows != 0) ?
         PlaneW + ((bitspan_cfg_pkg::Lines > 3) ? PlaneShadesW : 0) :
-        EndsW + ((bitspan_cfg_pkg::Lines > 3) ? EndShadesW : 0),
+        LineW + EndsW + ((bitspan_cfg_pkg::Lines > 3) ? EndShadesW : 0),
     // x, step, last, h, u, v, and the shades.
     parameter int PixelW = bitspan_cfg_pkg::PixelIndexW + 2 + bitspan_cfg_pkg::SpanHW + 2 * bitspan_cfg_pkg::SpanUvW +
         ((bitspan_cfg_pkg::Lines > 3) ? bitspan_cfg_pkg::SidesW : 0)
@@ -23,7 +26,7 @@ module area_top #(
     output logic in_ready_o,
     input  logic [bitspan_cfg_pkg::PixelIndexW-1:0] x_first_i,
     input  logic [bitspan_cfg_pkg::PixelIndexW-1:0] count_i,
-    // The row's ends, or in const_depth_rows the plane row, with the shades above.
+    // The row's ends, or in const_depth_rows the plane row, with the shades above; on top what a line has.
     input  logic [RowW-1:0] row_i,
     output logic out_valid_o,
     input  logic out_ready_i,
@@ -37,8 +40,8 @@ module area_top #(
   logic [bitspan_cfg_pkg::EdgeXW-1:0] x_l, x_r;
   logic [bitspan_cfg_pkg::EdgeHW-1:0] h_l, h_r;
   logic [bitspan_cfg_pkg::EdgeUvW-1:0] u_l, u_r, v_l, v_r;
-  logic [bitspan_cfg_pkg::PhaseW-1:0] phase;
-  logic [bitspan_cfg_pkg::PlaneKW-1:0] k;
+  logic [bitspan_cfg_pkg::PhaseW-1:0] phase, plane_phase;
+  logic [bitspan_cfg_pkg::PlaneKW-1:0] k, plane_k;
   logic [bitspan_cfg_pkg::SpanHW-1:0] h;
   logic [bitspan_cfg_pkg::SpanFW-1:0] gu, gv;
   logic [bitspan_cfg_pkg::SpanFStepW-1:0] gu_step0, gu_step1, gv_step0, gv_step1;
@@ -46,7 +49,14 @@ module area_top #(
   logic [bitspan_cfg_pkg::SidesAccW-1:0] shade;
   logic [bitspan_cfg_pkg::SidesStepW-1:0] shade_step0, shade_step1;
   assign {shade_l, shade_r, x_l, x_r, h_l, h_r, u_l, u_r, v_l, v_r} = ends;
-  assign {shade, shade_step0, shade_step1, phase, k, h, gu, gv, gu_step0, gu_step1, gv_step0, gv_step1} = plane;
+  assign {shade, shade_step0, shade_step1, plane_phase, plane_k, h, gu, gv, gu_step0, gu_step1, gv_step0, gv_step1} = plane;
+  if (LineW > 0) begin : gen_line
+    assign {phase, k} = row_i[RowW-1-:LineW];
+    logic unused;
+    assign unused = ^{plane_phase, plane_k};
+  end else begin : gen_no_line
+    assign {phase, k} = {plane_phase, plane_k};
+  end
 
   logic [bitspan_cfg_pkg::PixelIndexW-1:0] x;
   logic step, last;

@@ -117,7 +117,7 @@ module span (
 
   // The digital line moves a pixel to the side where the phase leaves 0..1.
   logic step;
-  if (bitspan_cfg_pkg::ConstDepthRows != 0) begin : gen_line
+  if (bitspan_cfg_pkg::DigitalLine != 0) begin : gen_line
     // phase + k; k has KInt integer bits, and one more holds the sum.
     localparam int KInt = (KW - PhaseW > 1) ? KW - PhaseW : 1;
     localparam int SumW = KInt + PhaseW + 2;
@@ -327,6 +327,9 @@ module span (
     assign unused = ^{res_u1, res_v1};
   end
 
+  // Where a digital line may step, that waits beside the pixel, too.
+  localparam int StepBits = (bitspan_cfg_pkg::DigitalLine != 0) ? 1 : 0;
+  logic step_out;
   if (!Linear && !Quotients) begin : gen_delta_f
     logic [UvW-1:0] u1_q, v1_q;
     always_ff @(posedge clk_i) begin
@@ -452,17 +455,20 @@ module span (
     logic [IndexW-1:0] x_out;
     logic last_out;
     logic [HW-1:0] h_out;
+    logic [StepBits+IndexW+HW:0] waits;
     span_delay #(
-        .Width(IndexW + 1 + HW),
+        .Width(StepBits + IndexW + 1 + HW),
         .From(0),
         .To(Clocks)
     ) u_pixel (
         .clk_i,
         .en_i(en),
         .phase_i(tick_q),
-        .d_i({x_q, last_q, h_q}),
-        .q_o({x_out, last_out, h_out})
+        .d_i((StepBits + IndexW + 1 + HW)'({step, x_q, last_q, h_q})),
+        .q_o(waits)
     );
+    assign {x_out, last_out, h_out} = waits[IndexW+HW:0];
+    assign step_out = StepBits != 0 && waits[StepBits+IndexW+HW];
     span_delay #(
         .Width(MW + EW),
         .From(RecipTick),
@@ -474,7 +480,7 @@ module span (
         .d_i({recip_m, recip_e}),
         .q_o({recip_m_out, recip_e_out})
     );
-    assign pixel = {x_out, 1'b0, last_out, h_out, f_out, recip_m_out, recip_e_out, uv};
+    assign pixel = {x_out, step_out, last_out, h_out, f_out, recip_m_out, recip_e_out, uv};
   end else if (Quotients) begin : gen_hyperbolic
     // Two dividers side by side, one pixel per clock.
     localparam int SumW = bitspan_cfg_pkg::SpanSumW;
@@ -532,19 +538,18 @@ module span (
     end
     // What is only delivered waits until u and v are there.
     localparam int WaitW = IndexW + 1 + HW + 2 * AccW;
-    logic [WaitW-1:0] waits;
+    logic [StepBits+WaitW-1:0] waits;
     delay_line #(
-        .Width(WaitW),
+        .Width(StepBits + WaitW),
         .Depth(Clocks)
     ) u_pixel (
         .clk_i,
         .en_i(en),
-        .d_i ({x_q, last_q, h_q, f_q}),
+        .d_i ((StepBits + WaitW)'({step, x_q, last_q, h_q, f_q})),
         .q_o (waits)
     );
-    assign pixel = {waits[WaitW-1-:IndexW], 1'b0, waits[HW+2*AccW:0], {MW{1'b0}}, {EW{1'b0}}, uv};
-    logic unused;
-    assign unused = step;
+    assign step_out = StepBits != 0 && waits[StepBits+WaitW-1];
+    assign pixel = {waits[WaitW-1-:IndexW], step_out, waits[HW+2*AccW:0], {MW{1'b0}}, {EW{1'b0}}, uv};
   end else begin : gen_linear
     logic [2*OutUvW-1:0] uv;
     for (genvar i = 0; i < 2; i++) begin : gen_uv
@@ -573,6 +578,9 @@ module span (
       if (en) pixel_q <= {x_q, step, last_q, h_q, f_q, {MW{1'b0}}, {EW{1'b0}}, uv};
     end
     assign pixel = pixel_q;
+    assign step_out = step;
+    logic unused;
+    assign unused = step_out;
   end
 
 `ifndef SYNTHESIS

@@ -23,7 +23,8 @@ module span_interpolator (
     input  logic [bitspan_cfg_pkg::EdgeUvW-1:0] v_r_i,
     input  logic [bitspan_cfg_pkg::SidesEndW-1:0] shade_l_i,
     input  logic [bitspan_cfg_pkg::SidesEndW-1:0] shade_r_i,
-    // const_depth_rows: the plane row; ignored in the other modes.
+    // const_depth_rows: the plane row; ignored in the other modes, but for the phase and the slope of a line, which
+    // are 0 for the row of a triangle.
     input  logic [bitspan_cfg_pkg::PhaseW-1:0] phase_i,
     input  logic [bitspan_cfg_pkg::PlaneKW-1:0] k_i,
     input  logic [bitspan_cfg_pkg::SpanHW-1:0] h_i,

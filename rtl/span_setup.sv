@@ -33,7 +33,8 @@ module span_setup (
     input  logic [bitspan_cfg_pkg::EdgeUvW-1:0] v_r_i,
     input  logic [bitspan_cfg_pkg::SidesEndW-1:0] shade_l_i,
     input  logic [bitspan_cfg_pkg::SidesEndW-1:0] shade_r_i,
-    // const_depth_rows: the plane row; ignored in the other modes.
+    // const_depth_rows: the plane row; ignored in the other modes, but for the phase and the slope of a line, which
+    // are 0 for the row of a triangle.
     input  logic [bitspan_cfg_pkg::PhaseW-1:0] phase_i,
     input  logic [bitspan_cfg_pkg::PlaneKW-1:0] k_i,
     input  logic [bitspan_cfg_pkg::SpanHW-1:0] h_i,
@@ -291,7 +292,15 @@ module span_setup (
     localparam int LengthRead = Divides ? DivideTick : 1;
     localparam int PositiveRead = (Divides ? SlopeDone : RecipTick) - 1;
     localparam int PRead = bitspan_cfg_pkg::RowLastStartTick;
-    localparam int ThroughW = 2 * IndexW + ((Affine || Hyperbolic) ? 0 : 2 * UvW);
+    // A line brings the phase and the slope of its digital line.
+    localparam int LineAt = 2 * IndexW + ((Affine || Hyperbolic) ? 0 : 2 * UvW);
+    localparam int LineW = (bitspan_cfg_pkg::DigitalLine != 0) ? bitspan_cfg_pkg::PhaseW + bitspan_cfg_pkg::PlaneKW : 0;
+    localparam int ThroughW = LineAt + LineW;
+    logic [ThroughW-1:0] through;
+    assign through[LineAt-1:0] = LineAt'({v_l_i, u_l_i, count_i, x_first_i});
+    if (LineW > 0) begin : gen_through_line
+      assign through[ThroughW-1:LineAt] = {k_i, phase_i};
+    end
     logic [((SumRead-1)/Interval+1)*EdgeSumW-1:0] h_sum_q;
     logic [((LengthRead-1)/Interval+1)*XW-1:0] length_q;
     logic [(PositiveRead-1)/Interval:0] positive_q;
@@ -349,7 +358,7 @@ module span_setup (
         .clk_i,
         .en_i(en),
         .phase_i(phase_q),
-        .d_i(ThroughW'({v_l_i, u_l_i, count_i, x_first_i})),
+        .d_i(through),
         .q_o(through_q)
     );
     assign operand = length_q[XW-1:0];
@@ -601,14 +610,19 @@ module span_setup (
 
     logic [IndexW-1:0] res_x, res_count;
     assign {res_count, res_x} = through_q[(Latency-1)/Interval*ThroughW+:2*IndexW];
+    logic [bitspan_cfg_pkg::PhaseW+bitspan_cfg_pkg::PlaneKW-1:0] res_line;
+    if (LineW > 0) begin : gen_res_line
+      assign res_line = through_q[(Latency-1)/Interval*ThroughW+LineAt+:LineW];
+    end else begin : gen_no_line
+      assign res_line = '0;
+    end
     assign res_o = {
       res_step[bitspan_cfg_pkg::LinesStepW-1:HStepW],
       res_step,
       res_start,
       res_uv1,
       res_f_diff,
-      {bitspan_cfg_pkg::PlaneKW{1'b0}},
-      {bitspan_cfg_pkg::PhaseW{1'b0}},
+      res_line,
       res_recip,
       res_count,
       res_x

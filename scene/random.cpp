@@ -375,6 +375,19 @@ void draw_pass(Random& random, Scene& scene) {
   insert(end, then);
 }
 
+void draw_lines(Random& random, Scene& scene, double probability) {
+  for (Triangle& triangle : scene.triangles) {
+    if (!random.chance(probability)) continue;
+    triangle.is_line = true;
+    if (random.chance(0.5)) std::swap(triangle.v[0], triangle.v[1]);
+    // Level, upright and diagonal lines, and points, which seldom come by themselves.
+    if (random.chance(0.1)) triangle.v[1].x = triangle.v[0].x;
+    if (random.chance(0.1)) triangle.v[1].y = triangle.v[0].y;
+    if (random.chance(0.1)) triangle.v[1].y = triangle.v[0].y + triangle.v[1].x - triangle.v[0].x;
+    triangle.v[2] = triangle.v[1];
+  }
+}
+
 void draw_given_attributes(Random& random, Scene& scene, double probability) {
   for (Triangle& triangle : scene.triangles) {
     if (!random.chance(probability)) continue;

@@ -77,6 +77,9 @@ void draw_projection(Random& random, Scene& scene);
 // Lets a scene hold translucent fragments as candidates, and resolve them, now and then.
 void draw_translucency(Random& random, Scene& scene);
 
+// Makes triangles of a scene lines between two of their vertices, each with that probability.
+void draw_lines(Random& random, Scene& scene, double probability);
+
 // Which lights a configuration takes besides those that are far away, do not fall and scatter by Lambert.
 struct LightTaken {
   bool point = false, lunar = false, fall = false, map = false, shadow = false;

@@ -34,9 +34,11 @@ struct ScreenPoint {
 };
 struct Vertex : ScreenPoint, Attributes {};
 
+// A line [B1] stands among the triangles: from v[0] to v[1], which v[2] repeats.
 struct Triangle {
   std::array<Vertex, 3> v;
   int texture = -1;  // index into Scene::textures, -1 for none
+  bool is_line = false;
 };
 
 // The view is that of its first triangles, and of target 0, until a command changes it.

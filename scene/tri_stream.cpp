@@ -562,22 +562,28 @@ Scene read_header(const Json& line, const Place& place, const std::filesystem::p
   return scene;
 }
 
+// A line of a stream gives so many vertices under that key.
+std::size_t vertices_of(const Triangle& triangle) { return triangle.is_line ? 2 : 3; }
+const char* key_of(const Triangle& triangle) { return triangle.is_line ? "l" : "v"; }
+
 // Ranges of one vertex; the same for streams read and scenes written.
-void check_vertex(const Vertex& vertex, std::size_t i, const View& view, const Place& place) {
+void check_vertex(const Triangle& triangle, std::size_t i, const View& view, const Place& place) {
+  const Vertex& vertex = triangle.v[i];
+  const char* const key = key_of(triangle);
   const auto check_coordinate = [&](double value, const char* axis, int index) {
     if (!(std::fabs(value) <= coordinate_limit)) {
-      place.fail(fmt::format("v[{}][{}]: {} = {} is out of range; expected {}..{} pixels", i, index, axis,
-                             shortest(value), -coordinate_limit, coordinate_limit));
+      place.fail(fmt::format("{}[{}][{}]: {} = {} is out of range; expected {}..{} pixels", key, i, index,
+                             axis, shortest(value), -coordinate_limit, coordinate_limit));
     }
   };
   check_coordinate(vertex.x, "x", 0);
   check_coordinate(vertex.y, "y", 1);
   if (!(vertex.s >= view.s_min && vertex.s <= view.s_max)) {
-    place.fail(fmt::format("v[{}][2]: s = {} is out of range; expected s_min..s_max, {}..{}", i,
+    place.fail(fmt::format("{}[{}][2]: s = {} is out of range; expected s_min..s_max, {}..{}", key, i,
                            shortest(vertex.s), shortest(view.s_min), shortest(view.s_max)));
   }
   if (!std::isfinite(vertex.u) || !std::isfinite(vertex.v)) {
-    place.fail(fmt::format("v[{}]: u, v are not finite; expected finite numbers", i));
+    place.fail(fmt::format("{}[{}]: u, v are not finite; expected finite numbers", key, i));
   }
 }
 
@@ -593,7 +599,7 @@ void check_given(const Triangle& triangle, const Place& place) {
 }
 
 void check_shape(const Triangle& triangle, const Place& place) {
-  if (orientation(triangle) == 0) {
+  if (!triangle.is_line && orientation(triangle) == 0) {
     place.fail("v: the triangle has no area; expected three positions that are not on one line");
   }
 }
@@ -610,6 +616,9 @@ int texture_shown(const Json& value, std::span<const HeaderTexture> textures, in
   return textures[static_cast<std::size_t>(index)].shown(frame);
 }
 
+bool is_line(const Json& line) { return line.is_object() && line.contains("l"); }
+
+// Of a triangle's line or a line's.
 Triangle read_triangle(const Json& line, const View& view, std::span<const HeaderTexture> textures, int frame,
                        int color_max, int version, const Place& place) {
   if (!line.is_object())
@@ -618,17 +627,26 @@ Triangle read_triangle(const Json& line, const View& view, std::span<const Heade
   for (const GivenAttribute& given : given_attributes) {
     if (version >= 2) keys.push_back(given.key);
   }
-  check_keys(line, keys, place, "");
   Triangle triangle;
-  const Json& v = required(line, "v", place, "three vertices [x, y, s, u, v]");
+  triangle.is_line = is_line(line);
+  const std::string name = key_of(triangle);
+  keys.front() = name;
+  check_keys(line, keys, place, "");
+  if (triangle.is_line && version < 2) {
+    place.fail("bitspan: a stream of version 1 has no lines; expected a header {\"bitspan\": 2, ...}");
+  }
+  const std::size_t count = vertices_of(triangle);
+  const char* const number_of = triangle.is_line ? "two" : "three";
+  const std::string expected = fmt::format("{} vertices [x, y, s, u, v]", number_of);
+  const Json& v = required(line, name.c_str(), place, expected.c_str());
   array(
-      v, 3, place, [] { return "v"; }, "three vertices [x, y, s, u, v]");
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto key = [&] { return fmt::format("v[{}]", i); };
+      v, count, place, [&] { return std::string(name); }, expected.c_str());
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto key = [&] { return fmt::format("{}[{}]", name, i); };
     array(v[i], 5, place, key, "[x, y, s, u, v]");
     std::array<double, 5> value{};
     for (std::size_t j = 0; j < 5; ++j) {
-      value[j] = number(v[i][j], place, [&] { return fmt::format("v[{}][{}]", i, j); });
+      value[j] = number(v[i][j], place, [&] { return fmt::format("{}[{}][{}]", name, i, j); });
     }
     Vertex& vertex = triangle.v[i];
     vertex.x = value[0];
@@ -636,14 +654,15 @@ Triangle read_triangle(const Json& line, const View& view, std::span<const Heade
     vertex.s = value[2];
     vertex.u = value[3];
     vertex.v = value[4];
-    check_vertex(vertex, i, view, place);
+    check_vertex(triangle, i, view, place);
   }
   check_shape(triangle, place);
   if (const auto c = line.find("c"); c != line.end()) {
+    const std::string colours = fmt::format("{} colours [red, green, blue, alpha]", number_of);
     array(
-        *c, 3, place, [] { return "c"; }, "three colours [red, green, blue, alpha]");
+        *c, count, place, [] { return "c"; }, colours.c_str());
     std::array<double, 12> components{};
-    for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
       array((*c)[i], 4, place, [&] { return fmt::format("c[{}]", i); }, "[red, green, blue, alpha]");
       for (std::size_t j = 0; j < 4; ++j) {
         components[4 * i + j] = number((*c)[i][j], place, [&] { return fmt::format("c[{}][{}]", i, j); });
@@ -655,12 +674,13 @@ Triangle read_triangle(const Json& line, const View& view, std::span<const Heade
     const auto values = line.find(given.key);
     if (values == line.end()) continue;
     array(
-        *values, 3, place, [&] { return given.key; }, "a number per vertex");
-    for (std::size_t i = 0; i < 3; ++i) {
+        *values, count, place, [&] { return given.key; }, "a number per vertex");
+    for (std::size_t i = 0; i < count; ++i) {
       const auto key = [&] { return fmt::format("{}[{}]", given.key, i); };
       triangle.v[i].*given.member = number((*values)[i], place, key);
     }
   }
+  if (triangle.is_line) triangle.v[2] = triangle.v[1];
   check_given(triangle, place);
   if (const auto tex = line.find("tex"); tex != line.end()) {
     triangle.texture = texture_shown(*tex, textures, frame, place);
@@ -672,7 +692,7 @@ Triangle read_triangle(const Json& line, const View& view, std::span<const Heade
 Triangle finished(const TriangleLine& line, const View& view, std::span<const HeaderTexture> textures,
                   int frame, int color_max, const Place& place) {
   Triangle triangle = line.triangle;
-  for (std::size_t i = 0; i < 3; ++i) check_vertex(triangle.v[i], i, view, place);
+  for (std::size_t i = 0; i < 3; ++i) check_vertex(triangle, i, view, place);
   check_shape(triangle, place);
   if (line.colors) set_colors(triangle, *line.colors, color_max, place);
   check_given(triangle, place);
@@ -975,7 +995,8 @@ Json light_json(const Light& light) {
 std::string header_text(const Scene& scene, std::span<const std::string> names) {
   const bool second = !scene.commands.empty() || scene.projector || scene.light ||
                       std::ranges::any_of(scene.textures, is_formatted) ||
-                      std::ranges::any_of(scene.triangles, gives_more);
+                      std::ranges::any_of(scene.triangles, gives_more) ||
+                      std::ranges::any_of(scene.triangles, &Triangle::is_line);
   const int version = second ? 2 : 1;
   std::string out = fmt::format("{{\"bitspan\":{},\"width\":{},\"height\":{},\"s_min\":", version,
                                 scene.width, scene.height);
@@ -1014,19 +1035,20 @@ std::string header_text(const Scene& scene, std::span<const std::string> names) 
 }
 
 void append_triangle(std::string& out, const Triangle& triangle) {
-  out += "{\"v\":";
+  const std::span vertices = std::span(triangle.v).first(vertices_of(triangle));
+  out += triangle.is_line ? "{\"l\":" : "{\"v\":";
   char separator = '[';
-  for (const Vertex& v : triangle.v) {
+  for (const Vertex& v : vertices) {
     out += separator;
     append_array(out, std::array{v.x, v.y, v.s, v.u, v.v});
     separator = ',';
   }
   out += ']';
   const std::array<double, 4> white{1, 1, 1, 1};
-  if (triangle.v[0].c != white || triangle.v[1].c != white || triangle.v[2].c != white) {
+  if (std::ranges::any_of(vertices, [&](const Vertex& v) { return v.c != white; })) {
     out += ",\"c\":";
     separator = '[';
-    for (const Vertex& v : triangle.v) {
+    for (const Vertex& v : vertices) {
       out += separator;
       append_array(out, v.c);
       separator = ',';
@@ -1036,11 +1058,16 @@ void append_triangle(std::string& out, const Triangle& triangle) {
   for (const GivenAttribute& given : given_attributes) {
     if (!given.is_given(triangle.v)) continue;
     out += fmt::format(",\"{}\":", given.key);
-    const auto& v = triangle.v;
-    append_array(out, std::array{v[0].*given.member, v[1].*given.member, v[2].*given.member});
+    separator = '[';
+    for (const Vertex& v : vertices) {
+      out += separator;
+      append_number(out, v.*given.member);
+      separator = ',';
+    }
+    out += ']';
   }
   if (triangle.texture >= 0) out += fmt::format(",\"tex\":{}", triangle.texture);
-  out += "}\n";
+  out += '}';
 }
 
 // Writes the lines through `sink(std::string_view)` in pieces of about 64 KiB.
@@ -1050,6 +1077,7 @@ class LineWriter {
   LineWriter(const Sink& sink, std::string_view header) : sink_(sink) { command(header); }
   void triangle(const Triangle& triangle) {
     append_triangle(piece_, triangle);
+    piece_ += '\n';
     if (piece_.size() <= (std::size_t{1} << 16)) return;
     sink_(piece_);
     piece_.clear();
@@ -1077,7 +1105,13 @@ void write_stream(const Scene& scene, Writer writer) {
   std::size_t index = 0;
   for (const Triangle& triangle : scene.triangles) {
     write_commands(index++);
-    writer.triangle(triangle);
+    if (triangle.is_line) {
+      std::string line;
+      append_triangle(line, triangle);
+      writer.command(line);
+    } else {
+      writer.triangle(triangle);
+    }
   }
   write_commands(index);
   writer.end();
@@ -1215,9 +1249,14 @@ struct TriReader::State {
         return true;
       }
       const Json json = parse_line(line, place);
+      if (is_line(json)) {
+        triangle = read_triangle(json, views.now(), textures, frame, color_max, version, place);
+        ++triangles;
+        return true;
+      }
       if (!is_command(json)) {
         place.fail(shown(json) +
-                   " is no command; expected state, clear, target, view, copy, resolve or frame");
+                   " is no command; expected state, clear, target, view, copy, resolve, frame or a line, l");
       }
       add_command(json);
     }
@@ -1483,7 +1522,7 @@ void check_scene(const Scene& scene, const std::string& origin) {
     for (; command != scene.commands.end() && command->before <= index; ++command) views.execute(*command);
     for (std::size_t i = 0; i < 3; ++i) {
       const Vertex& v = triangle.v[i];
-      check_vertex(v, i, views.now(), place);
+      check_vertex(triangle, i, views.now(), place);
       for (const double c : v.c) {
         if (!(c >= 0 && c <= 1))
           place.fail(fmt::format("c[{}]: component {} is out of range; expected 0..1", i, shortest(c)));

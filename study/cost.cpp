@@ -19,6 +19,7 @@ using F = FormatId;
 
 bool always(const Config&) { return true; }
 bool plane_rows(const Config& c) { return has_plane_rows(c.perspective); }
+bool line_slope(const Config& c) { return has_line_slope(c.line_walk); }
 bool horizontal(const Config& c) { return !plane_rows(c); }
 bool affine(const Config& c) { return has_linear_edges(c.perspective); }
 bool delta_f(const Config& c) { return has_pixel_reciprocal(c.perspective); }
@@ -96,6 +97,7 @@ constexpr std::string_view kRowEnds = "all modes but const_depth_rows, slope.row
 constexpr std::string_view kByPlane = "slope.row = plane";
 constexpr std::string_view kDda = "edge_walk = dda, all modes but const_depth_rows";
 constexpr std::string_view kPlane = "const_depth_rows";
+constexpr std::string_view kLines = "line.walk = dda";
 constexpr std::string_view kZones = "lod.mode = zone_s, zone_d";
 constexpr std::string_view kDistance =
     "lod.mode = zone_d, or fog.mode = distance, log, or light.at = pixel with light.source = point";
@@ -240,6 +242,7 @@ std::vector<RegisterRule> make_rules() {
       rule<F::plane_g_grad>("plane_walk", 4, kPlane, plane_rows),
       rule<F::plane_shade_grad>("plane_walk", 8, kPlane, plane_rows),
       rule<F::plane_k>("plane_walk", 1, kPlane, plane_rows),
+      rule<F::plane_k>("line_walk", 1, kLines, line_slope),
       rule<F::span_f>("plane_walk", 2, kPlane, plane_rows),
       rule<F::span_f_step>("plane_walk", 4, kPlane, plane_rows),
 

@@ -132,6 +132,7 @@ class SpanCounter : private ShapeCells {
     const bool affine = has_linear_texture(c_.perspective);
     const auto slope_tick = [&](LineId line) { return divides ? row.divide : tick(products_of(line).slope); };
     shape_.sums += length + p;
+    if (has_line()) hold(line(), 1, row.latency);
     hold(length, 1, divides ? row.divide : 1);
     hold(1, 1, divides ? row.divide + row.unit : row.reciprocal - 1);  // whether there is a length
     int last_start = 1;
@@ -210,6 +211,8 @@ class SpanCounter : private ShapeCells {
     }
     hold(c_.row_reciprocal.output.word + bits_of(sum.bits()), row.reciprocal, last);
   }
+  // Lines follow one beside horizontal rows.
+  bool has_line() const { return has_line_slope(c_.line_walk); }
   // The digital line: its phase and k.
   int line() const { return std::max(1, format(F::plane_k).fraction()) + word(F::plane_k); }
 
@@ -236,7 +239,7 @@ class SpanCounter : private ShapeCells {
     const int base = has_pixel_reciprocal(c_.perspective) ? word(F::edge_uv) : 0;  // u1, v1
     const int ends = word(F::span_h_step) + 2 * (base + word(texture_acc(c_)) + word(texture_step(c_)));
     const int plane = line() + 2 * word(F::span_uv_acc) + 4 * word(F::span_uv_step);
-    const int bits = common + (planes_ ? plane : ends);
+    const int bits = common + (planes_ ? plane : ends + (has_line() ? line() : 0));
     if (c_.rtl.fifo == 1) {
       add_registers(bits);
     } else {
@@ -269,6 +272,10 @@ class SpanCounter : private ShapeCells {
       round(kept);
       span_delay(kept.word, timing_.span);
       if (planes_) shape_.selects += word(line.row.step);
+    }
+    if (has_line()) {
+      shape_.sums += line();
+      shape_.selects += line();
     }
     if (planes_) {
       shape_.sums += line();

@@ -126,6 +126,12 @@ class DutEngine final : public Engine {
   }
 
   void draw_all(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) {
+    const auto line = std::ranges::find(triangles, true, &Triangle::is_line);
+    if (line != triangles.end()) {
+      throw InputError(
+          fmt::format("triangle {} is a line, and a design under test has none; legal: triangles",
+                      first_index + (line - triangles.begin())));
+    }
     run_.deliver_constants(trace);
     draw_in_batches(run_.pipeline, *run_.scene, triangles, first_index, batch_, run_.counters, trace,
                     [&] { run(trace); });

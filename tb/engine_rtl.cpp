@@ -109,6 +109,10 @@ class RtlEngine final : public Engine {
     inputs_.clear();
     const bool has_channels = run_.pipeline.channels.any();
     for (std::size_t i = 0; i < batch_.rows.rows.size(); ++i) {
+      if (const model::WalkedLine* line = model::line_of(batch_.rows, i); line != nullptr) {
+        inputs_.push_back(rtl_inputs(config_, line->record, b));
+        continue;
+      }
       const model::RowChannels ends = has_channels ? batch_.rows.row_channels[i] : model::RowChannels{};
       inputs_.push_back(rtl_inputs(config_, batch_.rows.rows[i], b, in_use(ends)));
     }
@@ -339,7 +343,9 @@ EngineOwn rtl_own(const Config& config, const Scene& scene) {
   fields_of_type(RecordType::fragment) += shades(0 BITSPAN_RTL_PIXEL_SHADES(BITSPAN_COUNT_PORT));
 #undef BITSPAN_COUNT_PORT
   // Elsewhere step_o is always 0, and a fragment's y is its row's.
-  if (!has_plane_rows(config.perspective)) --fields_of_type(RecordType::fragment);
+  if (!has_plane_rows(config.perspective) && !has_line_slope(config.line_walk)) {
+    --fields_of_type(RecordType::fragment);
+  }
   if (ChannelList(config).size() > 0) {
     // x, w and its two steps; of a pixel x and w, and y where it is not its row's.
     fields_of_type(RecordType::span_channel) = 4;

@@ -14,7 +14,8 @@ const RegisterEngine rtl_engine{
      .order = 4,
      .compared = true,
      .runs = [](const Config& c) { return has_rtl(c); },
-     .needs = "slope.row = divide or reciprocal; in delta_f also reciprocal.pixel.pipelined = true and "
+     .needs = "slope.row = divide or reciprocal; line.walk = none or dda; in delta_f also "
+              "reciprocal.pixel.pipelined = true and "
               "perspective.subspan_bits = 0",
      .make = [](const Config& c, const EngineOptions& o) -> std::unique_ptr<Engine> {
        RtlOptions options;

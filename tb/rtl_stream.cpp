@@ -10,6 +10,7 @@
 
 #include "config/modes.hpp"
 #include "config/rtl_timing.hpp"
+#include "model/stages/line_walk.hpp"
 
 namespace bitspan {
 namespace {
@@ -145,6 +146,13 @@ RtlInputs rtl_inputs(const Config& config, const RowRecord& row, std::int64_t b,
     put(config, end_port, end.channel, end.l, in.shade_l);
     put(config, end_port, end.channel, end.r, in.shade_r);
   }
+  return in;
+}
+
+RtlInputs rtl_inputs(const Config& config, const LineWalkRecord& line, std::int64_t b) {
+  RtlInputs in = rtl_inputs(config, model::row_of(line), b);
+  in.phase = static_cast<std::uint64_t>(line.phase);
+  in.k = port(config, FormatId::plane_k, line.k);
   return in;
 }
 

@@ -16,6 +16,7 @@ namespace bitspan {
 // record.
 RtlInputs rtl_inputs(const Config& config, const RowRecord& row, std::int64_t b,
                      std::span<const RowChannelRecord> ends = {});
+RtlInputs rtl_inputs(const Config& config, const LineWalkRecord& line, std::int64_t b);
 RtlInputs rtl_inputs(const Config& config, const PlaneRowRecord& row, std::int64_t k, std::int64_t b,
                      std::span<const SpanChannelRecord> starts = {});
 

@@ -32,6 +32,7 @@ package bitspan_pkg;
   localparam int StageProject = 24;
   localparam int StageLight = 25;
   localparam int StageCandidate = 26;
+  localparam int StageLineWalk = 27;
   // No stage has more columns.
   localparam int MaxColumns = 64;
   // bitspan_check: the design's record is not the model's.

@@ -39,7 +39,7 @@ extern "C" {
 #endif
 
 /* Grows with every addition to this file; bs_abi_version() tells the library's. */
-#define BS_ABI_VERSION 9
+#define BS_ABI_VERSION 10
 
 typedef int32_t bs_status;
 enum {
@@ -83,7 +83,8 @@ enum {
   BS_STAGE_SPAN_CHANNEL = 23,       /* per pixel of a row and channel */
   BS_STAGE_PROJECT = 24,            /* per pixel of texture.second while texture1.coordinates = project */
   BS_STAGE_LIGHT = 25,              /* per pixel written in a scene with a light; light.at other than none */
-  BS_STAGE_CANDIDATE = 26           /* per pixel that may be held while translucency.pass = candidate */
+  BS_STAGE_CANDIDATE = 26,          /* per pixel that may be held while translucency.pass = candidate */
+  BS_STAGE_LINE_WALK = 27           /* per line that has pixels in the picture; line.walk other than none */
 };
 
 /* The planes of a picture: `height` rows of `width` elements, from the top. */

@@ -406,16 +406,7 @@ class VectorModel {
     run_.need_begun("draw");
     run_.deliver_constants(trace);
     const Way way = find_way(trace != nullptr || statistics != nullptr);
-    if (way == Way::scalar) {
-      if (statistics != nullptr) {
-        draw_triangles(run_.pipeline, *run_.scene, triangles, first_index, buffers_, run_.frame,
-                       run_.counters, trace, Observe{statistics});
-      } else {
-        draw_triangles(run_.pipeline, *run_.scene, triangles, first_index, buffers_, run_.frame,
-                       run_.counters, trace);
-      }
-      return;
-    }
+    if (way == Way::scalar) return draw_scalar(triangles, first_index, trace, statistics);
     select_textures(plan_, run_.pipeline, *run_.scene, triangles);
     if (run_.pipeline.texture_second.is_on()) prepare_second_texture(plan_);
     const auto draw_chunk = [&](std::size_t at, std::size_t n) {
@@ -430,10 +421,19 @@ class VectorModel {
     while (at < triangles.size()) {
       const std::size_t most = std::min(triangles.size() - at, chunk_triangles);
       std::size_t good = 0;
-      while (good < most && plainly_good(*run_.scene, triangles[at + good])) ++good;
+      const auto is_good = [&](const Triangle& t) { return !t.is_line && plainly_good(*run_.scene, t); };
+      while (good < most && is_good(triangles[at + good])) ++good;
       draw_chunk(at, good);
       at += good;
       if (good == most) continue;
+      if (triangles[at].is_line) {
+        const auto lines_end = std::ranges::find(triangles.subspan(at), false, &Triangle::is_line);
+        const auto lines = static_cast<std::size_t>(lines_end - triangles.subspan(at).begin());
+        draw_scalar(triangles.subspan(at, lines), first_index + static_cast<std::int64_t>(at), trace,
+                    statistics);
+        at += lines;
+        continue;
+      }
       check_triangle(*run_.scene, triangles[at], first_index + static_cast<std::int64_t>(at));
       // Only large numbers, whose sum was not finite: drawn on its own.
       draw_chunk(at, 1);
@@ -466,6 +466,16 @@ class VectorModel {
   const Counters& counters() const { return run_.counters; }
 
  private:
+  void draw_scalar(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace,
+                   Statistics* statistics) {
+    if (statistics != nullptr) {
+      draw_triangles(run_.pipeline, *run_.scene, triangles, first_index, buffers_, run_.frame,
+                     run_.counters, trace, Observe{statistics});
+    } else {
+      draw_triangles(run_.pipeline, *run_.scene, triangles, first_index, buffers_, run_.frame,
+                     run_.counters, trace);
+    }
+  }
   // watched: with a trace or observers.
   Way find_way(bool watched) const {
     const Pipeline& p = run_.pipeline;

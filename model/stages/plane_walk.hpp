@@ -31,12 +31,14 @@ struct PlaneWalkStage {
 };
 PlaneWalkStage prepare_plane_walk(const Config& config, const Constants& constants, int width, int height);
 
-// What the span stage must know of a triangle whose rows are digital lines.
+// What the span stage must know of a triangle whose rows are digital lines, or of a line.
 struct PlaneGeometry {
-  std::int64_t k = 0;    // raw, plane.k
-  std::int64_t one = 1;  // 1 on the grid of plane.k
+  std::int64_t k = 0;    // raw, plane.k; of a line as in its record
+  std::int64_t one = 1;  // 1 on the grid of plane.k; of a line as in its record
   bool along_y = false;  // major
-  Coverage coverage;
+  Coverage coverage;     // of a triangle
+  bool is_line = false;
+  std::int64_t phase = 0;  // of a line, on the first pixel of its span
 };
 
 // The walk over one triangle. Reused for the next one, so that its buffers are not allocated anew.

@@ -104,7 +104,7 @@ bool setup(const SetupStage& stage, const Triangle& triangle, std::int64_t index
   }
   HWY_NAMESPACE::sort_vertices(v);
   const auto turn = HWY_NAMESPACE::turn(stage, v);
-  if (turn.none) {
+  if (turn.none && !triangle.is_line) {
     return false;
   }
   out.triangle = index;

@@ -43,8 +43,9 @@ using SetupVertex = VertexOf<std::int64_t>;
 SetupVertex vertex_of(const SetupRecord& record, int i);
 void put_vertex(SetupRecord& record, int i, const SetupVertex& v);
 
-// False where the triangle has no area after snapping; then there is no record. Every number of the input is
-// finite and s is within the scene's range (check_triangle in pipeline.hpp).
+// False where a triangle has no area after snapping; then there is no record. A line's ends are vertices 0
+// and 2. Every number of the input is finite and s is within the scene's range (check_triangle in
+// pipeline.hpp).
 template <class Watch = NoObserve>
 bool setup(const SetupStage& stage, const Triangle& triangle, std::int64_t index, SetupRecord& out,
            Watch watch = {});

@@ -198,7 +198,11 @@ SpanState start_span(const SpanRecord& span, const PlaneGeometry* geometry) {
     s.k = geometry->k;
     s.one = geometry->one;
     s.along_y = geometry->along_y;
-    s.coverage = &geometry->coverage;
+    if (geometry->is_line) {
+      s.phase = geometry->phase;
+    } else {
+      s.coverage = &geometry->coverage;
+    }
   }
   return s;
 }

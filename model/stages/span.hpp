@@ -95,7 +95,7 @@ struct SpanState {
 };
 inline bool finished(const SpanState& state) { return state.left == 0; }
 
-// geometry: const_depth_rows only, else null; it must outlive the state.
+// geometry: of a line, and in const_depth_rows; else null. It must outlive the state.
 SpanState start_span(const SpanRecord& span, const PlaneGeometry* geometry);
 
 // One fragment, and steps the registers to the next; not to be called when finished.

@@ -2,6 +2,7 @@
 #include "model/stages/span_setup.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "config/modes.hpp"
 #include "model/channels.hpp"
@@ -37,6 +38,7 @@ SpanSetupStage prepare_span_setup(const Config& config, const Constants& constan
   const bool linear = has_linear_texture(config.perspective);
   s.perspective = config.perspective;
   s.form = form_of(config.row_slope);
+  s.has_line_slope = has_line_slope(config.line_walk);
   s.b = b_of(config, constants.record);
   s.reciprocal = ReciprocalUnit(config.row_reciprocal, RegisterId::row_reciprocal);
   const bitspan::Line h = line_of(LineId::h, config.perspective);
@@ -165,6 +167,14 @@ int span_setup(const SpanSetupStage& stage, const RowRecord& row, const Triangle
 }
 
 template <class Watch>
+int span_setup(const SpanSetupStage& stage, const LineWalkRecord& line, SpanRecord& out, Watch watch) {
+  const int divides = span_setup(stage, row_of(line), out, watch);
+  if (line.major == 1) std::swap(out.x, out.y);
+  if (stage.has_line_slope) out.phase = line.phase;
+  return divides;
+}
+
+template <class Watch>
 int span_setup(const SpanSetupStage& stage, const PlaneRowRecord& row, const PlaneGeometry& geometry,
                SpanRecord& out, Watch watch) {
   out = {};
@@ -203,6 +213,8 @@ template int span_setup(const SpanSetupStage&, const RowRecord&, SpanRecord&, Ob
 template int span_setup(const SpanSetupStage&, const RowRecord&, const TrianglePlane&, SpanRecord&,
                         NoObserve);
 template int span_setup(const SpanSetupStage&, const RowRecord&, const TrianglePlane&, SpanRecord&, Observe);
+template int span_setup(const SpanSetupStage&, const LineWalkRecord&, SpanRecord&, NoObserve);
+template int span_setup(const SpanSetupStage&, const LineWalkRecord&, SpanRecord&, Observe);
 template int span_setup(const SpanSetupStage&, const PlaneRowRecord&, const PlaneGeometry&, SpanRecord&,
                         NoObserve);
 template int span_setup(const SpanSetupStage&, const PlaneRowRecord&, const PlaneGeometry&, SpanRecord&,

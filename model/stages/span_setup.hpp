@@ -11,6 +11,7 @@
 #include "engine/records.hpp"
 #include "model/numeric/slope.hpp"
 #include "model/stages/constants.hpp"
+#include "model/stages/line_walk.hpp"
 #include "model/stages/plane_walk.hpp"
 #include "model/stages/setup_plane.hpp"
 
@@ -37,7 +38,8 @@ struct SpanSetupStage {
   Slope f_step;
   Product f_diff;
   Line f_start;
-  bool fits_lanes = false;  // no intermediate is wider than lanes hold
+  bool fits_lanes = false;      // no intermediate is wider than lanes hold
+  bool has_line_slope = false;  // the phase of a line is on the grid of plane.k
   // slope.row = plane.
   int subpixel_bits = 0;
   Exact h_offset, shade_offset;
@@ -55,7 +57,7 @@ SpanSetupStage prepare_span_setup(const Config& config, const Constants& constan
 // Divides of a row that has a length: one reciprocal, or one per slope.
 constexpr int divides_of(const SpanSetupStage& stage) { return shares_reciprocal(stage.form) ? 1 : 7; }
 
-// Both return the divides it took (for divides_row).
+// All return the divides it took (for divides_row).
 // All modes but const_depth_rows.
 template <class Watch = NoObserve>
 int span_setup(const SpanSetupStage& stage, const RowRecord& row, SpanRecord& out, Watch watch = {});
@@ -63,6 +65,9 @@ int span_setup(const SpanSetupStage& stage, const RowRecord& row, SpanRecord& ou
 template <class Watch = NoObserve>
 int span_setup(const SpanSetupStage& stage, const RowRecord& row, const TrianglePlane& plane, SpanRecord& out,
                Watch watch = {});
+// Of a line.
+template <class Watch = NoObserve>
+int span_setup(const SpanSetupStage& stage, const LineWalkRecord& line, SpanRecord& out, Watch watch = {});
 // const_depth_rows.
 template <class Watch = NoObserve>
 int span_setup(const SpanSetupStage& stage, const PlaneRowRecord& row, const PlaneGeometry& geometry,

@@ -21,11 +21,13 @@ struct TriangleItem {
 };
 
 struct RowItem {
-  model::Surface surface;         // of its triangle
-  std::int64_t count = 0;         // pixels
-  RowRecord row;                  // edge_walk
-  PlaneRowRecord plane_row;       // plane_walk
-  model::PlaneGeometry geometry;  // plane_walk
+  model::Surface surface;    // of its triangle
+  std::int64_t count = 0;    // pixels
+  RowRecord row;             // edge_walk
+  PlaneRowRecord plane_row;  // plane_walk
+  bool is_line = false;
+  LineWalkRecord line;            // line_walk, of a line
+  model::PlaneGeometry geometry;  // plane_walk; line_walk, of a line
   SpanRecord span;
   // Where channels are in use.
   model::RowChannels channels;      // of its ends

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// setup, timed: a triangle in, the same with its vertices and edges out, or nothing where it has no area.
+// setup, timed: a triangle in, the same with its vertices and edges out, or nothing where it has no area. A
+// line is a triangle without edges.
 #pragma once
 
 #include <span>
@@ -25,6 +26,7 @@ inline bool setup_values(Run& run, TriangleItem& item) {
     return false;
   }
   deliver(run.trace, item.setup);
+  if (item.triangle->is_line) return true;
   if (run.pipeline.has_gradients) {
     const GradientRecord gradient = model::setup_gradients(run.pipeline.plane_walk, item.setup);
     run.depth_gradients.put(gradient);

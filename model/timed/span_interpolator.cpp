@@ -66,7 +66,7 @@ void SpanInterpolator::accept(RowItem* item) {
 void SpanInterpolator::take() {
   loaded_ = in_setup_.front();
   in_setup_.pop();
-  state_ = model::start_span(loaded_->span, run_.pipeline.const_depth_rows ? &loaded_->geometry : nullptr);
+  state_ = model::start_span(loaded_->span, geometry_of(run_, *loaded_));
   ++span_setup_.report.records_out;
   ++span_.report.records_in;
 }

@@ -9,7 +9,7 @@ namespace {
 
 void start_channels(Run& run, RowItem& item) {
   const bool has_ends = !run.pipeline.const_depth_rows && !run.pipeline.by_plane;
-  const model::PlaneGeometry* geometry = run.pipeline.const_depth_rows ? &item.geometry : nullptr;
+  const model::PlaneGeometry* geometry = geometry_of(run, item);
   // Rows come in the order of their triangles.
   while (run.channels.front().setup.triangle < item.span.triangle) run.channels.pop_front();
   const model::SpanChannels start =
@@ -22,11 +22,17 @@ void start_channels(Run& run, RowItem& item) {
 
 }  // namespace
 
+const model::PlaneGeometry* geometry_of(const Run& run, const RowItem& item) {
+  return run.pipeline.const_depth_rows || item.is_line ? &item.geometry : nullptr;
+}
+
 void span_setup_values(Run& run, RowItem& item) {
   const auto& stage = run.pipeline.span_setup;
   int divides = 0;
   if (run.pipeline.const_depth_rows) {
     divides = model::span_setup(stage, item.plane_row, item.geometry, item.span);
+  } else if (item.is_line) {
+    divides = model::span_setup(stage, item.line, item.span);
   } else if (run.pipeline.by_plane) {
     // Rows come in the order of their triangles.
     while (run.planes.front().record.triangle < item.row.triangle) run.planes.pop_front();

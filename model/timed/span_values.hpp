@@ -8,8 +8,10 @@
 
 namespace bitspan::timed {
 
-// edge_walk's or plane_walk's record is there. Throws std::logic_error where the span has not the row's
-// pixels.
+// The digital line of a row, for start_span; null where it is horizontal.
+const model::PlaneGeometry* geometry_of(const Run& run, const RowItem& item);
+// edge_walk's, plane_walk's or line_walk's record is there. Throws std::logic_error where the span has not
+// the row's pixels.
 void span_setup_values(Run& run, RowItem& item);
 // The next fragment of the row; not where the state is finished.
 void span_values(Run& run, RowItem& row, model::SpanState& state, FragmentItem& item);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model/timed/workload.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <limits>
@@ -276,7 +277,8 @@ void Workload::scene_changed(std::uint64_t since) {
 void Workload::start(std::span<const Triangle> triangles, std::int64_t first_index) {
   to_set_up_ = triangles;
   index_ = first_index;
-  batched_ = batch_ != nullptr && run_.trace == nullptr && run_.pipeline.draws_in_lanes(run_.frame);
+  batched_ = batch_ != nullptr && run_.trace == nullptr && run_.pipeline.draws_in_lanes(run_.frame) &&
+             std::ranges::none_of(triangles, &Triangle::is_line);
   if (batched_) batch_->start(triangles, first_index);
 }
 
@@ -338,8 +340,7 @@ void Workload::make_rows(Walk& walk) {
 
 void Workload::make_fragments() {
   span_setup_values(run_, row_);
-  model::SpanState state =
-      model::start_span(row_.span, run_.pipeline.const_depth_rows ? &row_.geometry : nullptr);
+  model::SpanState state = model::start_span(row_.span, geometry_of(run_, row_));
   while (!model::finished(state)) {
     span_values(run_, row_, state, fragment_);
     make_fragment(fragment_);

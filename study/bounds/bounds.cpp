@@ -118,6 +118,9 @@ void check_scene(const Config& config, const Scene& scene) {
   if (changes_scene(scene.commands)) {
     throw InputError(scene.name + ": no bound is known for a scene whose view a command changes");
   }
+  if (std::ranges::any_of(scene.triangles, &Triangle::is_line)) {
+    throw InputError(scene.name + ": no bound is known for a scene with lines");
+  }
   if (goes_by_given_depth(config, scene)) {
     throw InputError(
         fmt::format("depth.line: no bound is known for {} where vertices give it; legal for bounds: {}",

@@ -181,6 +181,20 @@ TEST(Frozen, Translucency) {
   draw_translucency(random, scene);
   check_all("translucency", shipped_configs(), {scene});
 }
+// Lines among triangles, by both walks.
+TEST(Frozen, Lines) {
+  std::vector<Config> configs;
+  for (const LineForm walk : {LineForm::exact, LineForm::dda}) {
+    Config c = shipped_config("depth16");
+    c.line_walk = walk;
+    c.name += " line " + std::string(to_string(walk));
+    configs.push_back(std::move(c));
+  }
+  Scene scene = random_scene(77);
+  Random random(77);
+  draw_lines(random, scene, 0.5);
+  check_all("lines", configs, {scene});
+}
 // Changes of draw state.
 TEST(Frozen, State) { check_all("state", shipped_configs(), {random_scene(71, random_states(0.4))}); }
 // Late depth and stencil tests.

@@ -8,7 +8,7 @@
 
 #include "bitspan/bitspan.h"
 
-_Static_assert(BS_ABI_VERSION == 9, "renew the numbers below and tests/lib/libbitspan.abi");
+_Static_assert(BS_ABI_VERSION == 10, "renew the numbers below and tests/lib/libbitspan.abi");
 _Static_assert(BS_OK == 0 && BS_DIFFERENT == 1 && BS_BAD_INPUT == 2 && BS_BAD_HANDLE == 3, "status");
 _Static_assert(BS_BAD_ORDER == 4 && BS_UNSUPPORTED == 5 && BS_BUSY == 6 && BS_NO_MEMORY == 7, "status");
 _Static_assert(BS_INTERNAL == 8, "status");
@@ -21,7 +21,7 @@ _Static_assert(BS_STAGE_SETUP_GRADIENT == 15 && BS_STAGE_LOD == 16 && BS_STAGE_D
 _Static_assert(BS_STAGE_TEXTURE_SECOND == 19 && BS_STAGE_SPAN_CHANNEL == 23 && BS_STAGE_PROJECT == 24,
                "stage");
 _Static_assert(BS_STAGE_LIGHT == 25, "stage");
-_Static_assert(BS_STAGE_CANDIDATE == 26, "stage");
+_Static_assert(BS_STAGE_CANDIDATE == 26 && BS_STAGE_LINE_WALK == 27, "stage");
 _Static_assert(BS_PLANE_COLOR == 0 && BS_PLANE_DEPTH == 1 && BS_PLANE_U == 2 && BS_PLANE_V == 3, "plane");
 _Static_assert(BS_PLANE_TRIANGLE == 4 && BS_PLANE_STENCIL == 5 && BS_PLANE_POSITION == 6, "plane");
 _Static_assert(BS_I64 == 0 && BS_U8 == 1 && BS_U32 == 2 && BS_I32 == 3 && BS_F64 == 4, "element");
@@ -83,10 +83,11 @@ static void check_names(void) {
                                       "span.channel",
                                       "project",
                                       "light",
-                                      "candidate"};
+                                      "candidate",
+                                      "line_walk"};
   const int32_t count = (int32_t)(sizeof names / sizeof *names);
   for (int32_t i = 0; i < count; ++i) expect(strcmp(bs_stage_name(i), names[i]) == 0, names[i]);
-  expect(count == BS_STAGE_CANDIDATE + 1 && bs_stage_name(count) == NULL, "every stage has its name here");
+  expect(count == BS_STAGE_LINE_WALK + 1 && bs_stage_name(count) == NULL, "every stage has its name here");
 }
 
 int main(void) {

@@ -96,6 +96,21 @@ std::vector<DrawnRun> runs() {
       run.counters = engine->counters();
     }
     {
+      Config config = shipped_config("depth16");
+      config.line_walk = LineForm::dda;
+      Scene wires = scene;
+      Random random(14);
+      draw_lines(random, wires, 1);
+      const auto engine = entry.make(config, {});
+      DrawnRun& run = out.emplace_back();
+      run.name = std::string(entry.name) + " of lines";
+      run.has_states = true;  // its rows are lines
+      engine->begin(wires);
+      engine->draw(wires.triangles, 0, &run.trace);
+      EXPECT_FALSE(run.trace.line_walk.empty()) << run.name;
+      run.counters = engine->counters();
+    }
+    {
       Scene layered = scene;
       for (Triangle& t : layered.triangles) t.v[0].c[3] = t.v[1].c[3] = 0.5;
       layered.commands = {

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "config/rtl_timing.hpp"
 #include "engine/emit_pixel_sv.hpp"
 #include "model/engine_model.hpp"
 #include "scene/demo.hpp"
@@ -125,6 +126,39 @@ TEST(EngineRtl, TakesTheModelsShadesWhereTheRtlHasNone) {
     c.rtl.shades = false;
     compare(c, random_scene(3, 60));
   }
+}
+
+// Every second triangle is a line between two of its vertices.
+Scene with_lines(Scene scene) {
+  for (std::size_t i = 0; i < scene.triangles.size(); i += 2) {
+    scene.triangles[i].is_line = true;
+    scene.triangles[i].v[2] = scene.triangles[i].v[1];
+  }
+  return scene;
+}
+
+TEST(EngineRtl, WalksLinesByTheirSlope) {
+  constexpr std::array cases{Perspective::delta_f, Perspective::hyperbolic, Perspective::affine};
+  for (const Perspective mode : in_gate(cases)) {
+    SCOPED_TRACE(to_string(mode));
+    Config c = shipped_config("narrow");
+    c.perspective = mode;
+    c.line_walk = LineForm::dda;
+    const Scene scene = with_lines(random_scene(5, 160));
+    const Trace records = compare(c, scene);
+    std::size_t rising = 0, falling = 0, upright = 0;
+    for (const LineWalkRecord& r : records.line_walk) {
+      rising += r.k > 0 ? 1 : 0;
+      falling += r.k < 0 ? 1 : 0;
+      upright += r.major == 1 ? 1 : 0;
+    }
+    EXPECT_GT(std::min({rising, falling, upright}), 10U);
+    EXPECT_EQ(own_fields(c, scene, RecordType::fragment),
+              own_fields(shipped_config("narrow"), scene, RecordType::fragment) + 1);
+  }
+  Config c = shipped_config("narrow");
+  c.line_walk = LineForm::exact;
+  EXPECT_FALSE(has_rtl(c));
 }
 
 // A fog's factor per vertex, in every second triangle that of its distance.

@@ -362,7 +362,8 @@ TEST(Trib, WhatIsNotLegalIsRefusedAtItsRecord) {
   second(plain.substr(0, 127), "the block ends 127 bytes behind this; expected the whole record");
   second(plain.substr(0, 100), "the block ends 100 bytes behind this; expected the whole record");
   second("T", "the block ends 1 bytes behind this; expected a record, whose tag has 4 bytes");
-  second(command("{}"), "{} is no command; expected state, clear, target, view, copy, resolve or frame");
+  second(command("{}"),
+         "{} is no command; expected state, clear, target, view, copy, resolve, frame or a line, l");
   second(command(R"({"target": 9})"), "target: 9 is not legal; expected a whole number 0..7");
   second(command(R"({"target": 1)"),
          "the line ends inside its JSON (truncated?); expected one whole JSON object a line");

@@ -93,7 +93,7 @@ TEST(Span, SubspansOfEveryRowEqualGoldens) {
       const auto fragments = walk(stage, row);
       std::vector<FragmentRecord> expected;
       std::vector<FragmentChannelRecord> channels;
-      golden(std::array{row}, {}, nullptr, {}, expected, channels);
+      golden(std::array{row}, {}, {}, expected, channels);
       ASSERT_EQ(fragments, expected) << bits << " " << count;
       std::int64_t divides = 0;
       for (const FragmentRecord& f : fragments) divides += f.recip_m != 0 ? 1 : 0;

@@ -417,10 +417,11 @@ TEST(KeyEffects, Rtl) {
   EXPECT_GT(seen, is_gate_run() ? 10 : 60);
 }
 
-// No scene here has a projector, a light or a curve: tests/stages/project_test.cpp, light_test.cpp,
-// forward_difference_test.cpp, rotate_test.cpp and golden_project_test.cpp move these registers.
+// No scene here has lines, a projector, a light or a curve: tests/stages/line_walk_test.cpp,
+// project_test.cpp, light_test.cpp, forward_difference_test.cpp, rotate_test.cpp and golden_project_test.cpp
+// move these registers.
 bool needs_more(const Key& key) {
-  return key.path == "project.unit" || key.path.starts_with("formats.project.") ||
+  return key.path == "line.walk" || key.path == "project.unit" || key.path.starts_with("formats.project.") ||
          key.path.starts_with("light.") || key.path.starts_with("formats.light.") ||
          key.path.starts_with("formats.normal.") || key.path.starts_with("formats.relief.") ||
          key.path.starts_with("formats.curve.") || key.path.starts_with("formats.rotate.");

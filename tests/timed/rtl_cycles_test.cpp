@@ -28,6 +28,7 @@ struct Case {
   RowSlope row_slope = RowSlope::reciprocal;
   bool shades = true;
   FogMode fog = FogMode::none;
+  bool lines = false;  // every second triangle is one
 };
 
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
@@ -38,6 +39,7 @@ Config make_config(const Case& c) {
   config.row_slope = c.row_slope;
   config.rtl.shades = c.shades;
   config.fog = c.fog;
+  if (c.lines) config.line_walk = LineForm::dda;
   config.row_reciprocal.pipelined = c.pipelined;
   config.row_reciprocal.kind = c.row;
   if (c.row != ReciprocalKind::restoring) {
@@ -51,11 +53,27 @@ Config make_config(const Case& c) {
   return config;
 }
 
+void add_lines(Scene& scene, const Case& c) {
+  for (std::size_t i = 0; c.lines && i < scene.triangles.size(); i += 2) {
+    scene.triangles[i].is_line = true;
+    scene.triangles[i].v[2] = scene.triangles[i].v[1];
+  }
+}
+
 // What the RTL is offered of a trace: its rows, in order.
 std::vector<RtlInputs> inputs_of(const Config& config, const Trace& trace) {
   const std::int64_t b = trace.constants.front().b;
   std::vector<RtlInputs> inputs;
-  for (const RowRecord& row : trace.row) inputs.push_back(rtl_inputs(config, row, b));
+  std::size_t line = 0;
+  for (const RowRecord& row : trace.row) {
+    for (; line < trace.line_walk.size() && trace.line_walk[line].triangle < row.triangle; ++line) {
+      inputs.push_back(rtl_inputs(config, trace.line_walk[line], b));
+    }
+    inputs.push_back(rtl_inputs(config, row, b));
+  }
+  for (; line < trace.line_walk.size(); ++line) {
+    inputs.push_back(rtl_inputs(config, trace.line_walk[line], b));
+  }
   std::size_t plane = 0;
   for (const PlaneRowRecord& row : trace.plane_row) {
     while (trace.plane[plane].triangle != row.triangle) ++plane;
@@ -80,7 +98,8 @@ TEST_P(RtlCycles, EqualOnEveryClockUnderRandomGapsAndStalls) {
   std::uint64_t stalled = 0;
   std::uint64_t seed = 1;
   for (const double size : {2.0, 12.0, 120.0}) {
-    const Scene scene = random_scene(seed, {.width = 128, .height = 64, .triangles = 20, .size_max = size});
+    Scene scene = random_scene(seed, {.width = 128, .height = 64, .triangles = 20, .size_max = size});
+    add_lines(scene, GetParam());
     Trace trace;
     const auto model = make_model(config);
     model->begin(scene);
@@ -123,7 +142,8 @@ TEST_P(RtlCycles, EqualOnEveryClockUnderRandomGapsAndStalls) {
 TEST_P(RtlCycles, TheSystemcRunsHandshakeReplaysThroughTheRtl) {
   Config config = make_config(GetParam());
   config.memory.width_bytes = 2;  // a slow memory: many stalls
-  const Scene scene = random_scene(99, {.width = 96, .height = 64, .triangles = 20, .size_max = 60});
+  Scene scene = random_scene(99, {.width = 96, .height = 64, .triangles = 20, .size_max = 60});
+  add_lines(scene, GetParam());
   const auto engine = make_systemc(config, {.record_handshake = true});
   Trace trace;
   engine->begin(scene);
@@ -165,6 +185,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{.name = "constant_depth", .base = "depth16", .mode = Perspective::const_depth_rows},
                     Case{.name = "without_shades", .base = "depth16", .shades = false},
                     Case{.name = "channel", .base = "depth16", .fog = FogMode::vertex},
+                    Case{.name = "lines", .base = "depth16", .lines = true},
                     Case{.name = "hyperbolic", .base = "depth16", .mode = Perspective::hyperbolic},
                     Case{.name = "hyperbolic_divided",
                          .base = "narrow",
