@@ -278,7 +278,7 @@ OracleWords ask_oracles(const ExplainArguments& o, std::span<const Oracle* const
 }
 
 int explain(const ExplainArguments& o) {
-  const Config config = find_config(o.config);
+  const Config config = with_lines(find_config(o.config), o.view);
   std::vector<const Oracle*> oracles;
   if (!o.oracles.empty()) oracles = parse_oracles(o.oracles);
   const LoadedScene loaded = load_scene(o.scene, seen_with(config, o.view));

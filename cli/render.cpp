@@ -214,7 +214,7 @@ int render_oracle(const RenderArguments& o) {
         "--statistics, --stereo and --supersample");
   }
   refuse_without_model(o.model, false);
-  const Config config = find_config(o.config);
+  const Config config = with_lines(find_config(o.config), o.view);
   check_writable(o.output);
   const LoadedScene loaded = load_scene(o.scene, seen_with(config, o.view));
   const Scene& scene = loaded.scene;
@@ -242,7 +242,7 @@ int render(const RenderArguments& o) {
   if (o.output.empty() && o.dump.empty() && o.emit_tri.empty()) {
     throw InputError("render: nothing to write; give -o PICTURE.png, --dump DIR or --emit-tri FILE.tri");
   }
-  const Config config = find_config(o.config);
+  const Config config = with_lines(find_config(o.config), o.view);
   const SceneOptions view = seen_with(config, o.view);
   const auto names = parse_engines(o.engine);
   if (names.size() != 1) {

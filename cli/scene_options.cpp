@@ -9,6 +9,7 @@
 #include <cmath>
 #include <utility>
 
+#include "config/check.hpp"
 #include "config/modes.hpp"
 #include "config/one_line.hpp"
 #include "engine/range.hpp"
@@ -21,6 +22,7 @@
 #include "scene/supersample.hpp"
 #include "scene/texture.hpp"
 #include "scene/tri_stream.hpp"
+#include "scene/wireframe.hpp"
 #include "tb/programs.hpp"
 
 namespace bitspan {
@@ -123,7 +125,17 @@ bool is_parallel(const SceneOptions& o) {
   return choice<Projection>(o.projection, "--projection") != Projection::central;
 }
 
+Config with_lines(Config config, const SceneOptions& options) {
+  if (options.wireframe.empty() || has_lines(config.line_walk)) return config;
+  config.line_walk = LineForm::exact;
+  check_config(config, "--wireframe: configuration '" + config.name + "'");
+  return config;
+}
+
 SceneOptions seen_with(const Config& config, SceneOptions options) {
+  if (!options.wireframe.empty() && !has_lines(config.line_walk)) {
+    throw InputError("--wireframe: expected a configuration with line.walk = \"exact\" or \"dda\"");
+  }
   for (const auto& [given, flag] :
        {std::pair{&options.texture1, "--texture1"}, std::pair{&options.light_map, "--light-map"},
         std::pair{&options.relief, "--relief"}}) {
@@ -497,6 +509,19 @@ void add_scene_options(CLI::App& command, SceneOptions& o) {
       ->type_name("order|passes")
       ->check(CLI::IsMember({"order", "passes"}))
       ->group(group);
+  command
+      .add_option(
+          "--wireframe", o.wireframe,
+          "draw the edges of triangles as lines, each once: all of them, or hidden, which removes the "
+          "hidden ones; by line.walk = \"exact\" where the configuration has no lines")
+      ->type_name("all|hidden")
+      ->group(group);
+  command
+      .add_option("--wireframe-bias", o.wireframe_bias,
+                  "hidden: depth codes that lines are nearer by (default: 1/256 of all codes)")
+      ->type_name("CODES")
+      ->check(CLI::Range(0, 1 << 30))
+      ->group(group);
   command.add_flag("--no-cull", o.no_cull, "mesh: draw faces seen from behind too")->group(group);
   command.add_flag("--strict", o.strict, "mesh: refuse it where a texture that it names is missing or bad")
       ->group(group);
@@ -716,7 +741,22 @@ namespace {
 bool comes_in_pieces(const std::string& name) { return split_view(name).camera == 0 && is_stream(name); }
 bool in_passes(const SceneOptions& options) { return options.translucency == "passes"; }
 // Whether the options make something of the whole scene.
-bool make_plans(const SceneOptions& o) { return !o.shadow.empty() || !o.slide.empty() || in_passes(o); }
+bool make_plans(const SceneOptions& o) {
+  return !o.shadow.empty() || !o.slide.empty() || !o.wireframe.empty() || in_passes(o);
+}
+std::optional<WireframeOptions> wireframe_of(const SceneOptions& o) {
+  if (o.wireframe.empty()) {
+    if (o.wireframe_bias)
+      throw InputError("--wireframe-bias: is of hidden lines; give --wireframe hidden too");
+    return std::nullopt;
+  }
+  const auto kind = choice<Wireframe>(o.wireframe, "--wireframe");
+  if (o.wireframe_bias && !hides_lines(kind)) {
+    throw InputError("--wireframe-bias: is of hidden lines; give --wireframe hidden too");
+  }
+  const int codes = o.wireframe_bias.value_or(wireframe_bias(o.depth_bits));
+  return WireframeOptions{kind, nearer_is_larger(o.depth_code) ? codes : -codes};
+}
 // The scene as passes that blend its layers from back to front.
 Scene as_passes(Scene scene, const SceneOptions& options) {
   if (!options.config) {
@@ -786,6 +826,9 @@ std::vector<LoadedScene> load_scenes(const std::string& name, const SceneOptions
       if (const auto slide = slide_of(options, {0, -1, 0})) {
         loaded.scene = with_slide(std::move(loaded.scene), *slide);
       }
+    }
+    if (const auto lines = wireframe_of(options)) {
+      loaded.scene = wireframe(std::move(loaded.scene), *lines);
     }
     if (options.supersample > 1 && !streamed) {
       loaded.scene = supersampled(std::move(loaded.scene), options.supersample);
@@ -866,6 +909,8 @@ std::string flags_text(const SceneOptions& o) {
   text("--slide", o.slide);
   text("--slide-from", o.slide_from);
   out += in_passes(o) ? " --translucency passes" : "";
+  text("--wireframe", o.wireframe);
+  out += o.wireframe_bias ? fmt::format(" --wireframe-bias {}", *o.wireframe_bias) : "";
   out += o.no_cull ? " --no-cull" : "";
   out += o.strict ? " --strict" : "";
   out += o.frame ? fmt::format(" --frame {}", *o.frame) : "";

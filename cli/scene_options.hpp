@@ -53,6 +53,8 @@ struct SceneOptions {
   int depth_bits = 16;
   DepthCode depth_code = DepthCode::inverse;
   std::string translucency = "order";  // or "passes"
+  std::string wireframe;               // "all" or "hidden"; empty: no lines are made
+  std::optional<int> wireframe_bias;   // codes that lines are nearer by
   std::optional<Config> config;        // that the passes are found with
   std::string slide, slide_from;       // an image; "x,y,z,X,Y,Z,degrees"
   bool clip_sides = true;              // a mesh at the picture's borders
@@ -66,6 +68,9 @@ struct SceneOptions {
   std::optional<int> target;       // of a stream, that is shown
 };
 
+// The configuration that a scene with these options is drawn with: a wire frame takes line.walk = exact where
+// the configuration has no lines. Throws InputError where it cannot have any.
+Config with_lines(Config config, const SceneOptions& options);
 // The options of a scene that is drawn with that configuration. Throws InputError where it lacks what an
 // option takes.
 SceneOptions seen_with(const Config& config, SceneOptions options);

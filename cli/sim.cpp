@@ -234,7 +234,7 @@ std::string sim_json(const Scene& scene, const Config& config, const SystemcOpti
 }
 
 int sim(const SimArguments& o) {
-  const Config config = find_config(o.config);
+  const Config config = with_lines(find_config(o.config), o.view);
   check_writable(o.json);
   check_writable(o.vcd);
   check_writable(o.access_log);

@@ -33,7 +33,7 @@ RecordType stage_named(const std::string& name) {
 }
 
 int vectors(const VectorsArguments& o) {
-  const Config config = find_config(o.config);
+  const Config config = with_lines(find_config(o.config), o.view);
   const VectorFormat format = vector_format(o.format);
   const bool is_file = format == VectorFormat::json;
   const std::string output =

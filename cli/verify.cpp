@@ -52,7 +52,7 @@ void write_maps(const std::string& folder, const SceneVerdict& verdict) {
 }
 
 int verify(const VerifyArguments& o) {
-  const Config config = find_config(o.config);
+  const Config config = with_lines(find_config(o.config), o.view);
   VerifyOptions options;
   options.engines = parse_engines(o.engines);
   options.cycles = !o.no_cycles;
