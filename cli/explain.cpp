@@ -22,6 +22,7 @@
 #include "report/error.hpp"
 #include "report/layers.hpp"
 #include "report/lockstep.hpp"
+#include "report/quadrics.hpp"
 #include "report/table.hpp"
 #include "report/upstream.hpp"
 #include "study/oracles.hpp"
@@ -270,6 +271,10 @@ OracleWords ask_oracles(const ExplainArguments& o, std::span<const Oracle* const
     rows.push_back({std::string(oracle->name), fmt::format("{}", triangle),
                     fmt::format("h {:.10g}", visibility->depth_of(seen)), "-", "-", "-", "-", "-"});
     tell(*oracle, "", visibility->at(*oracle, picture, of_shown, engine, o.x, o.y));
+    if (oracle->has_quadrics && !shown.quadrics.empty()) {
+      tell(*oracle, "_quadrics",
+           quadric_finding(*visibility, *oracle, picture, of_shown, engine, o.x, o.y));
+    }
     if (!plan || !oracle->has_shadows) continue;
     const VisibilityReport report = visibility->compare(*oracle, picture, of_shown, engine);
     tell(*oracle, "_shadows", shadows_of(config, *plan, picture, report, {})[at]);

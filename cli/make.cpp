@@ -14,6 +14,7 @@ void add_make(CLI::App& app, Action& action) {
                            "  bitspan make curve points.csv -o curve.obj"));
   add_make_curve(*make, action);
   add_make_patches(*make, action);
+  add_make_quadric(*make, action);
   add_make_terrain(*make, action);
   add_make_delaunay(*make, action);
   add_make_lod(*make, action);

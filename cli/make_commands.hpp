@@ -8,6 +8,7 @@ namespace bitspan {
 
 void add_make_curve(CLI::App& make, Action& action);
 void add_make_patches(CLI::App& make, Action& action);
+void add_make_quadric(CLI::App& make, Action& action);
 void add_make_terrain(CLI::App& make, Action& action);
 void add_make_delaunay(CLI::App& make, Action& action);
 void add_make_lod(CLI::App& make, Action& action);

@@ -15,6 +15,7 @@
 #include "engine/stages.hpp"
 #include "report/layers.hpp"
 #include "report/metrics.hpp"
+#include "report/quadrics.hpp"
 #include "report/table.hpp"
 #include "study/oracles.hpp"
 
@@ -183,14 +184,22 @@ void compare_oracles(const VerifyOptions& options, const Scene& scene, const Eng
     }
     std::vector<OracleCount> counts;
     const std::vector<Visible> picture = visibility->picture(*oracle, &counts);
-    v.oracles.push_back(visibility->compare(*oracle, picture, frame, engine.name()));
-    v.oracles.back().counts = std::move(counts);
-    if (v.oracles.back().compared() == 0 && v.counters.covered != 0) {
-      v.oracles.pop_back();
+    VisibilityReport report = visibility->compare(*oracle, picture, frame, engine.name());
+    report.counts = std::move(counts);
+    if (report.compared() == 0 && v.counters.covered != 0) {
       leave_out("at each pixel a triangle may be seen whose fragments may be killed");
-    } else if (plan && oracle->has_shadows) {
-      const VisibilityReport seen = v.oracles.back();
-      v.oracles.push_back(shadow_report(seen, shadows_of(v.config, *plan, picture, seen, options.engine)));
+      continue;
+    }
+    const std::size_t seen = v.oracles.size();
+    v.oracles.push_back(std::move(report));
+    if (oracle->has_quadrics && !shown.quadrics.empty()) {
+      v.oracles.push_back(quadric_report(*visibility, *oracle, picture, frame, engine.name()));
+    }
+    if (plan && oracle->has_shadows) {
+      const VisibilityReport& by_eye = v.oracles[seen];
+      VisibilityReport by_light =
+          shadow_report(by_eye, shadows_of(v.config, *plan, picture, by_eye, options.engine));
+      v.oracles.push_back(std::move(by_light));
     }
   }
 }

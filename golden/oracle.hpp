@@ -52,6 +52,8 @@ struct Oracle {
   bool is_truth = true;
   // Its pictures of scenes with a shadow map are compared with rays from the light as well.
   bool has_shadows = false;
+  // Where triangles stand for quadrics, what is seen is compared with rays against these as well.
+  bool has_quadrics = false;
   // It judges the colours of scenes that are drawn in translucency passes, by the layers of each pixel.
   bool has_layers = false;
   // Why it does not draw a scene, beside what no oracle draws; empty where it does. Null: it draws all.

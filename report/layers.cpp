@@ -98,7 +98,7 @@ std::vector<PixelFinding> layer_findings(const Config& config, const Scene& pict
 
 VisibilityReport layer_report(const Oracle& oracle, const Frame& frame, std::string_view engine,
                               std::vector<PixelFinding> findings) {
-  VisibilityReport out = report_on(oracle, frame, engine);
+  VisibilityReport out = report_on(oracle, frame.width, frame.height, engine);
   out.ties_as = "of layers with one depth code";
   for (PixelFinding& found : findings) out.add(std::move(found));
   return out;

@@ -114,6 +114,8 @@ std::optional<ShadowPlan> shadow_plan_of(const Config& config, const Scene& scen
     }
     set->settings.push_back(state_setting("texture1.op", TextureOp::modulate));
   }
+  std::erase_if(picture.quadrics, [&](const Quadric& q) { return q.first < plan.first; });
+  move_ranges(picture.quadrics, -static_cast<std::ptrdiff_t>(plan.first));
   plan.picture = std::move(picture);
   plan.mask = std::move(mask);
   return plan;

@@ -113,7 +113,7 @@ std::string pixel_text(const PixelFinding& found) {
     case PixelVerdict::tie:
       return found.why.empty() ? "a tie that the bounds predict" : "a tie: " + found.why;
     case PixelVerdict::edge:
-      return "at a shadow's edge";
+      return found.why.empty() ? "at a shadow's edge" : found.why;
     case PixelVerdict::unexplained:
       return "unexplained: " + found.why;
     case PixelVerdict::left_out:
@@ -126,7 +126,7 @@ std::string visibility_text(const VisibilityReport& r) {
   std::string out =
       fmt::format("{} against {}: {} pixels equal, {} ties {}, {} {}", r.oracle, r.engine, r.equal, r.ties,
                   r.ties_as, r.unexplained, r.is_truth ? "unexplained" : "wrong, as this algorithm may be");
-  if (r.edges != 0) out += fmt::format("; {} at a shadow's edge", r.edges);
+  if (r.edges != 0) out += fmt::format("; {} {}", r.edges, r.edges_as);
   if (r.left_out != 0) out += fmt::format("; {} left out, {}", r.left_out, r.left_out_as);
   for (const OracleCount& count : r.counts) {
     out += fmt::format("{} {:.6g} {}", &count == r.counts.data() ? ";" : ",", count.value, count.name);
@@ -287,9 +287,24 @@ std::vector<Visible> Visibility::picture(const Oracle& oracle, std::vector<Oracl
   return oracle.visible({config_, *scene_, faces_, counts});
 }
 
+std::vector<Visible> Visibility::picture_without_quadrics(const Oracle& oracle) const {
+  std::vector<OracleFace> faces;
+  for (const OracleFace& face : faces_) {
+    const auto index = static_cast<std::size_t>(face.index);
+    const bool stands_for_one = std::ranges::any_of(
+        scene_->quadrics, [&](const Quadric& q) { return index >= q.first && index - q.first < q.count; });
+    if (!stands_for_one) faces.push_back(face);
+  }
+  return oracle.visible({config_, *scene_, faces, nullptr});
+}
+
 double Visibility::depth_of(const Visible& seen) const {
   if (seen.triangle < 0) return 0;
   return static_cast<double>(golden::depth_code(config_, *scene_, seen.q.value));
+}
+
+double Visibility::depth_at(double s) const {
+  return static_cast<double>(golden::depth_code(config_, *scene_, 1 / static_cast<long double>(s)));
 }
 
 double Visibility::stored_h(std::uint32_t code) const {
@@ -314,19 +329,46 @@ std::vector<bool> Visibility::doubtful(std::span<const Visible> picture) const {
   return out;
 }
 
-PixelFinding Visibility::judge(const Oracle& oracle, const Visible& seen, const Frame& frame,
-                               std::string_view engine, std::int64_t x, std::int64_t y) const {
+double Visibility::bound_of(std::int32_t triangle) const {
+  return triangle < 0 ? 0 : bounds_[static_cast<std::size_t>(triangle)];
+}
+
+std::optional<Visible> Visibility::shown(const Frame& frame, std::string_view engine, std::int64_t x,
+                                         std::int64_t y, std::string& why) const {
   const auto at = static_cast<std::size_t>(y * frame.width + x);
   const std::int32_t drawn = frame.triangle[at];
   const double stored = stored_h(frame.depth[at]);
+  if (drawn < 0) {
+    if (stored == 0) return Visible{};
+    why = fmt::format("{} shows no triangle, and stores h = {}", engine, stored);
+    return std::nullopt;
+  }
+  const auto face = std::ranges::lower_bound(faces_, drawn, {}, &OracleFace::index);
+  if (face == faces_.end() || face->index != drawn || !ideal_covers(config_, face->shape, x, y)) {
+    why = fmt::format("{} shows triangle {}, which cannot be seen there", engine, drawn);
+    return std::nullopt;
+  }
+  const golden::Areas areas = golden::areas_at(face->shape, golden::centre_of(face->shape, x, y));
+  Visible out{drawn, golden::inverse_distance(face->shape, areas)};
+  const double h = depth_of(out);
+  if (std::abs(stored - h) <= bound_of(drawn)) return out;
+  why = fmt::format("{} stores h = {} of triangle {}, which is at {:.10g}; the bound is {:.4g}", engine,
+                    stored, drawn, h, bound_of(drawn));
+  return std::nullopt;
+}
+
+PixelFinding Visibility::judge(const Oracle& oracle, const Visible& seen, const Frame& frame,
+                               std::string_view engine, std::int64_t x, std::int64_t y) const {
   const auto unexplained = [&](const std::string& why) {
     return PixelFinding{PixelVerdict::unexplained, fmt::format("pixel ({}, {}): {}", x, y, why)};
   };
+  std::string why;
+  const std::optional<Visible> shown_there = shown(frame, engine, x, y, why);
+  if (!shown_there) return unexplained(why);
+  const Visible& drawn = *shown_there;
   const double seen_h = depth_of(seen);
-  const double seen_bound = seen.triangle < 0 ? 0 : bounds_[static_cast<std::size_t>(seen.triangle)];
-  if (drawn < 0) {
-    if (stored != 0)
-      return unexplained(fmt::format("{} shows no triangle, and stores h = {}", engine, stored));
+  const double seen_bound = bound_of(seen.triangle);
+  if (drawn.triangle < 0) {
     if (seen.triangle < 0) return {PixelVerdict::background};
     // The cleared buffer is as a surface at h = 0.
     if (seen_h <= seen_bound) return {PixelVerdict::tie};
@@ -334,32 +376,22 @@ PixelFinding Visibility::judge(const Oracle& oracle, const Visible& seen, const 
         fmt::format("{} sees triangle {} at h = {:.10g}, and {} shows none; the bound is {:.4g}", oracle.name,
                     seen.triangle, seen_h, engine, seen_bound));
   }
-  const auto face = std::ranges::lower_bound(faces_, drawn, {}, &OracleFace::index);
-  if (face == faces_.end() || face->index != drawn || !ideal_covers(config_, face->shape, x, y)) {
-    return unexplained(fmt::format("{} shows triangle {}, which cannot be seen there", engine, drawn));
-  }
-  const golden::Areas areas = golden::areas_at(face->shape, golden::centre_of(face->shape, x, y));
-  const Visible shown{drawn, golden::inverse_distance(face->shape, areas)};
-  const double shown_h = depth_of(shown);
-  const double shown_bound = bounds_[static_cast<std::size_t>(drawn)];
-  if (!(std::abs(stored - shown_h) <= shown_bound)) {
-    return unexplained(
-        fmt::format("{} stores h = {} of triangle {}, which is at {:.10g}; the bound is {:.4g}", engine,
-                    stored, drawn, shown_h, shown_bound));
-  }
+  const double shown_h = depth_of(drawn);
+  const double shown_bound = bound_of(drawn.triangle);
   if (seen.triangle < 0) {
-    return unexplained(fmt::format("{} sees no triangle, and {} shows {}", oracle.name, engine, drawn));
+    return unexplained(
+        fmt::format("{} sees no triangle, and {} shows {}", oracle.name, engine, drawn.triangle));
   }
-  if (seen.triangle == drawn) {
-    if (seen.q == shown.q) return {PixelVerdict::equal};
+  if (seen.triangle == drawn.triangle) {
+    if (seen.q == drawn.q) return {PixelVerdict::equal};
     return unexplained(fmt::format("{} sees triangle {} at h = {:.10g}, and it is at {:.10g}", oracle.name,
-                                   drawn, seen_h, shown_h));
+                                   drawn.triangle, seen_h, shown_h));
   }
   if (std::abs(seen_h - shown_h) <= seen_bound + shown_bound) return {PixelVerdict::tie};
   return unexplained(fmt::format(
       "{} sees triangle {} at h = {:.10g}, and {} shows {}, which is at {:.10g}; the bounds are {:.4g} "
       "and {:.4g}",
-      oracle.name, seen.triangle, seen_h, engine, drawn, shown_h, seen_bound, shown_bound));
+      oracle.name, seen.triangle, seen_h, engine, drawn.triangle, shown_h, seen_bound, shown_bound));
 }
 
 PixelFinding Visibility::at(const Oracle& oracle, std::span<const Visible> picture, const Frame& frame,
@@ -369,19 +401,19 @@ PixelFinding Visibility::at(const Oracle& oracle, std::span<const Visible> pictu
   return judge(oracle, picture[i], frame, engine, x, y);
 }
 
-VisibilityReport report_on(const Oracle& oracle, const Frame& frame, std::string_view engine) {
+VisibilityReport report_on(const Oracle& oracle, int width, int height, std::string_view engine) {
   VisibilityReport out;
   out.oracle = oracle.name;
   out.engine = engine;
   out.is_truth = oracle.is_truth;
-  out.width = frame.width;
-  out.height = frame.height;
+  out.width = width;
+  out.height = height;
   return out;
 }
 
 VisibilityReport Visibility::compare(const Oracle& oracle, std::span<const Visible> picture,
                                      const Frame& frame, std::string_view engine) const {
-  VisibilityReport out = report_on(oracle, frame, engine);
+  VisibilityReport out = report_on(oracle, frame.width, frame.height, engine);
   if (picture.size() != frame.triangle.size()) {
     throw std::invalid_argument("Visibility: the engine and the oracle have pictures of two sizes");
   }

@@ -26,7 +26,8 @@ enum class PixelVerdict : std::uint8_t {
   background,   // neither shows a triangle
   equal,        // both show the same one, at a depth within its bound
   tie,          // they show two whose order the bounds leave open
-  edge,         // of shadows: within reach of one's edge, or as near to what shades it as registers tell
+  edge,         // of shadows: within reach of one's edge, or as near to what shades it as registers tell; of
+                // quadrics: where the triangles that stand for one may show something else
   unexplained,  // anything else
   left_out      // a triangle may be seen there whose fragments may be killed
 };
@@ -44,6 +45,7 @@ struct VisibilityReport {
   std::uint64_t background = 0, equal = 0, ties = 0, edges = 0, unexplained = 0, left_out = 0;
   std::string_view ties_as = "that the bounds predict";
   std::string_view left_out_as = "whose fragments may be killed";
+  std::string_view edges_as = "at a shadow's edge";
   std::string first;  // the first unexplained pixel, in one line; empty without one
   std::vector<OracleCount> counts;
   std::vector<PixelVerdict> pixels;
@@ -53,8 +55,8 @@ struct VisibilityReport {
   void add(PixelFinding found);
   bool held() const { return !is_truth || unexplained == 0; }
 };
-// Of an oracle and the engine that drew the frame, with no pixel yet.
-VisibilityReport report_on(const Oracle& oracle, const Frame& frame, std::string_view engine);
+// Of an oracle and what it is compared with, of so many pixels, with none of them yet.
+VisibilityReport report_on(const Oracle& oracle, int width, int height, std::string_view engine);
 std::string pixel_text(const PixelFinding& found);
 // "half_planes against golden: 812 pixels equal, 3 ties that the bounds predict, 0 unexplained".
 std::string visibility_text(const VisibilityReport& report);
@@ -95,12 +97,24 @@ class Visibility {
                   std::string_view engine, std::int64_t x, std::int64_t y) const;
   // The exact h of what an oracle sees; 0 where it is nothing.
   double depth_of(const Visible& seen) const;
+  // h of a distance.
+  double depth_at(double s) const;
+  // By how many codes its stored depth may be off; 0 for no triangle.
+  double bound_of(std::int32_t triangle) const;
+  // What the engine shows at a pixel, and where that is exactly. None where the triangle cannot be seen
+  // there, or what is stored is beyond its bound; then `why` says so.
+  std::optional<Visible> shown(const Frame& frame, std::string_view engine, std::int64_t x, std::int64_t y,
+                               std::string& why) const;
+  // The pixels where a triangle that may be killed may be seen.
+  std::vector<bool> doubtful(std::span<const Visible> picture) const;
+  // The oracle's picture of the triangles that stand for no quadric.
+  std::vector<Visible> picture_without_quadrics(const Oracle& oracle) const;
+  const Config& config() const { return config_; }
+  const Scene& scene() const { return *scene_; }
 
  private:
   PixelFinding judge(const Oracle& oracle, const Visible& seen, const Frame& frame, std::string_view engine,
                      std::int64_t x, std::int64_t y) const;
-  // The pixels where a triangle that may be killed may be seen.
-  std::vector<bool> doubtful(std::span<const Visible> picture) const;
   double stored_h(std::uint32_t code) const;
 
   Config config_;

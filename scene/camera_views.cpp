@@ -105,6 +105,7 @@ Scene seen_from(const Scene& scene, int camera) {
   out.name = view_name(scene.name, camera);
   out.s_max = view.s_max;
   out.triangles.clear();
+  out.quadrics.clear();  // what is drawn of them is not what another camera sees
   ProjectReport report;
   project(faces, view, {.cull = false}, out.triangles, report);
   return out;

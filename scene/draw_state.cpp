@@ -241,6 +241,15 @@ void erase_triangles(Scene& scene, std::size_t first, std::size_t count) {
     if (command.before > first)
       command.before = std::max(first, command.before - std::min(count, command.before));
   }
+  const auto moved = [&](std::size_t at) {
+    return at <= first ? at : std::max(first, at - std::min(count, at));
+  };
+  for (Quadric& q : scene.quadrics) {
+    const std::size_t end = moved(q.first + q.count);
+    q.first = moved(q.first);
+    q.count = end - q.first;
+  }
+  std::erase_if(scene.quadrics, [](const Quadric& q) { return q.count == 0; });
 }
 
 }  // namespace bitspan

@@ -11,6 +11,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -23,6 +24,7 @@
 #include "scene/obj.hpp"
 #include "scene/plan.hpp"
 #include "scene/ply.hpp"
+#include "scene/quad.hpp"
 #include "scene/relief.hpp"
 #include "scene/texture.hpp"
 
@@ -61,7 +63,7 @@ FileStart start_of(const std::string& path) {
   return start;
 }
 
-// The contents say what a file is; an OBJ and patches have none that do.
+// The contents say what a file is; an OBJ, patches and quadrics have none that do.
 MeshFile read_mesh_file(const std::string& path, bool second_coordinates, int patch_depth) {
   const FileStart start = start_of(path);
   if (start.begins_with("glTF")) return read_gltf(path, second_coordinates);
@@ -72,6 +74,10 @@ MeshFile read_mesh_file(const std::string& path, bool second_coordinates, int pa
   if (start.begins_with("ply")) return read_ply(path);
   if (start.extension == ".obj") return read_obj(path);
   if (start.extension == ".bez") return patch_mesh(read_bez(path), patch_depth);
+  if (start.extension == ".quad") {
+    return read_quad(
+        path, [&](const std::string& mesh) { return read_mesh_file(mesh, second_coordinates, patch_depth); });
+  }
   return read_by_assimp(path);
 }
 
@@ -226,6 +232,7 @@ Mesh read_mesh(const std::string& path, const std::optional<std::string>& textur
   Mesh mesh;
   mesh.name = std::filesystem::path(path).stem().string();
   mesh.notes = std::move(file.notes);
+  mesh.quadrics = std::move(file.quadrics);
   if (file.triangles.empty()) {
     std::string notes;
     for (const std::string& note : mesh.notes) notes += note + "; ";
@@ -260,6 +267,9 @@ Mesh read_mesh(const std::string& path, const std::optional<std::string>& textur
     }
     has_uv = has_uv || triangle.has_uv;
     mesh.faces.push_back(face);
+  }
+  for (const MeshQuadric& q : mesh.quadrics) {
+    for (std::size_t i = 0; i < q.count; ++i) mesh.faces[q.first + i].two_sided = q.two_sided;
   }
   if (texture && !has_uv) {
     throw InputError(path + ": the mesh has no texture coordinates; expected them for the texture " +
@@ -312,6 +322,32 @@ std::optional<Light> light_mesh(Mesh& mesh, const MeshOptions& options, const Vi
     for (Corner& corner : face.corner) set_normal(corner, {});
   }
   return std::nullopt;
+}
+
+// Projects the faces, and returns the quadrics with the triangles that stand for them, in the viewer's space.
+std::vector<Quadric> project_mesh(const Mesh& mesh, const Viewpoint& view, const ProjectOptions& options,
+                                  std::vector<Triangle>& triangles, ProjectReport& report) {
+  std::vector<Quadric> out;
+  std::span<const Face> faces = mesh.faces;
+  std::size_t done = 0;
+  const auto project_up_to = [&](std::size_t end) {
+    project(faces.subspan(done, end - done), view, options, triangles, report);
+    done = end;
+  };
+  // A parallel projection has no distances from the viewer, which forms are of.
+  if (!view.parallel) {
+    for (const MeshQuadric& q : mesh.quadrics) {
+      project_up_to(q.first);
+      Quadric seen = seen_by(q, view);
+      seen.first = triangles.size();
+      project_up_to(q.first + q.count);
+      seen.count = triangles.size() - seen.first;
+      seen.two_sided = q.two_sided || !options.cull;
+      if (seen.count > 0) out.push_back(seen);
+    }
+  }
+  project_up_to(faces.size());
+  return out;
 }
 
 }  // namespace
@@ -419,7 +455,7 @@ Scene mesh_scene(Mesh mesh, const MeshOptions& options, ProjectReport& report) {
     mesh.textures.push_back(light_texture(options.light_map->side));
     second = light_map_state();
   }
-  project(mesh.faces, view, options.project, scene.triangles, report);
+  scene.quadrics = project_mesh(mesh, view, options.project, scene.triangles, report);
   scene.textures = std::move(mesh.textures);
   if (mesh.texture1 >= 0) {
     second.settings.push_back(state_setting("texture1", mesh.texture1));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes: OBJ, PLY, glTF, patches and, through a program of its own, what Assimp reads; with a camera.
+// Meshes: OBJ, PLY, glTF, patches, quadrics and, through a program of its own, what Assimp reads; with a
+// camera.
 #pragma once
 
 #include <array>
@@ -13,6 +14,7 @@
 #include "scene/light.hpp"
 #include "scene/light_map.hpp"
 #include "scene/project.hpp"
+#include "scene/quadric_form.hpp"
 #include "scene/scene.hpp"
 #include "scene/shadow.hpp"
 
@@ -24,6 +26,7 @@ struct Mesh {
   std::vector<Texture> textures;
   int texture1 = -1;               // into textures: of the second texture unit, in whose texels u2 and v2 are
   std::vector<std::string> notes;  // what of the file is not shown, one line each, without the file's name
+  std::vector<MeshQuadric> quadrics{};  // that ranges of the faces stand for
 };
 
 // How space becomes a picture [B6]: by lines of sight that meet in the viewer, or by parallel ones.
@@ -77,15 +80,15 @@ struct MeshOptions {
   std::optional<SlideOptions> slide;
 };
 
-// Reads a mesh, known by its contents, an OBJ and patches (.bez) by their names. Patches become triangles,
-// 2^patch_depth steps each way. Nodes are flattened, polygons are triangulated,
-// points and lines are left out. The colour is the vertex colour times the material's; a material that the
-// file does not define counts as white. An alpha mode is carried out in the texels and the corners. Texture
-// files are relative to the mesh; embedded images work too. u, v become texels of the face's texture, with v
-// turned to run downward. Throws InputError with one line where the file is unreadable or has no triangles, a
-// number is not finite, or a texture is bad. With `bad_textures`, a bad texture that the mesh names appends
-// its line there instead, and its faces have no texture. texture1, relief: as in MeshOptions; a face without
-// the coordinates has its texel at (0, 0), and a mesh without any throws. Corners have the file's normals, of
+// Reads a mesh, known by its contents, an OBJ, patches (.bez) and quadrics (.quad) by their names. Patches
+// become triangles, 2^patch_depth steps each way. Nodes are flattened, polygons are triangulated, points and
+// lines are left out. The colour is the vertex colour times the material's; a material that the file does not
+// define counts as white. An alpha mode is carried out in the texels and the corners. Texture files are
+// relative to the mesh; embedded images work too. u, v become texels of the face's texture, with v turned to
+// run downward. Throws InputError with one line where the file is unreadable or has no triangles, a number is
+// not finite, or a texture is bad. With `bad_textures`, a bad texture that the mesh names appends its line
+// there instead, and its faces have no texture. texture1, relief: as in MeshOptions; a face without the
+// coordinates has its texel at (0, 0), and a mesh without any throws. Corners have the file's normals, of
 // length 1, where it has some.
 Mesh read_mesh(const std::string& path, const std::optional<std::string>& texture = std::nullopt,
                std::vector<std::string>* bad_textures = nullptr,

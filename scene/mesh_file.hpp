@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "scene/geometry.hpp"
+#include "scene/quadric_form.hpp"
 
 namespace bitspan {
 
@@ -54,7 +55,8 @@ struct MeshFile {
   std::vector<MeshImage> images;
   std::vector<MeshMaterial> materials;
   std::vector<MeshTriangle> triangles;
-  std::vector<std::string> notes;  // what the reader left out, one line each, without the file's name
+  std::vector<std::string> notes;       // what the reader left out, one line each, without the file's name
+  std::vector<MeshQuadric> quadrics{};  // that ranges of the triangles stand for
 };
 
 }  // namespace bitspan

@@ -11,6 +11,7 @@
 
 #include "scene/attributes.hpp"
 #include "scene/draw_state.hpp"
+#include "scene/quadric.hpp"
 #include "scene/texel_format.hpp"
 #include "scene/view.hpp"
 
@@ -47,17 +48,19 @@ struct Scene : View {
   std::vector<Texture> textures;
   std::vector<Triangle> triangles;
   std::vector<DrawCommand> commands;  // by `before`; none: every triangle is drawn with the first state
+  std::vector<Quadric> quadrics{};  // that ranges of the triangles stand for, in the space of the first view
 };
 
 // Nothing but a view.
-inline Scene with_view(const View& view) { return {view, {}, {}, {}, {}}; }
+inline Scene with_view(const View& view) { return {view, {}, {}, {}, {}, {}}; }
 // The view that triangle `index` is drawn with; that of the number of triangles is the last one.
 View view_at(const Scene& scene, std::size_t index);
 // Throws InputError where there is no such texture, the target has not been drawn on, or their sizes differ.
 void check_copy(const Scene& scene, const Views& views, const Copy& copy);
 // Throws InputError where a change of state or view, or a copy, would not be legal.
 void check_commands(const Config& config, const Scene& scene);
-// Takes triangles out; commands that stood in front of them stand in front of the next one.
+// Takes triangles out; commands that stood in front of them stand in front of the next one. A quadric stays
+// while one of its triangles does.
 void erase_triangles(Scene& scene, std::size_t first, std::size_t count);
 
 }  // namespace bitspan

@@ -505,6 +505,70 @@ ShadowOptions read_shadow(const Json& value, const Place& place, const ShadowOpt
   return shadow;
 }
 
+// Entry `index` of the header's quadrics.
+Quadric read_quadric(const Json& value, std::size_t index, const Place& place) {
+  const std::string key = fmt::format("quadrics[{}]", index);
+  constexpr std::string_view expected =
+      R"({"triangles": [first, last], "matrix": [...], "within": [low, high]})";
+  if (!value.is_object())
+    place.fail(fmt::format("{}: {} is not an object; expected {}", key, shown(value), expected));
+  check_keys(value, {"triangles", "matrix", "within", "two_sided", "clip"}, place, key + ".");
+  const auto numbers = [&](const Json& in, const std::string& inside, const char* name, auto& to,
+                           const char* what) {
+    const auto path = [&] { return inside + name; };
+    if (!in.contains(name)) place.fail(fmt::format("{}: key is missing; expected {}", path(), what));
+    const Json& list = array(in[name], to.size(), place, path, what);
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] = number(list[i], place, path);
+  };
+  Quadric out;
+  std::array<double, 2> range{};
+  numbers(value, key + ".", "triangles", range, "[first, last]");
+  const auto [first, last] = range;
+  constexpr double most = 1e15;
+  if (!(first >= 0 && first <= last && last < most) || first != std::floor(first) ||
+      last != std::floor(last)) {
+    place.fail(fmt::format("{}.triangles: {} is not legal; expected [first, last], whole numbers from 0 on",
+                           key, shown(value["triangles"])));
+  }
+  out.first = static_cast<std::size_t>(first);
+  out.count = static_cast<std::size_t>(last - first) + 1;
+  numbers(value, key + ".", "matrix", out.matrix, "10 numbers, the rows of the form from the diagonal on");
+  std::array<double, 2> within{};
+  numbers(value, key + ".", "within", within, "[low, high]");
+  out.low = within[0];
+  out.high = within[1];
+  const auto flag = [&](const Json& of, const std::string& path) {
+    if (!of.is_boolean())
+      place.fail(fmt::format("{}: {} is not legal; expected true or false", path, shown(of)));
+    return of.get<bool>();
+  };
+  if (value.contains("two_sided")) out.two_sided = flag(value["two_sided"], key + ".two_sided");
+  if (value.contains("clip")) {
+    const Json& clip = value["clip"];
+    const std::string inside = key + ".clip.";
+    if (!clip.is_object()) {
+      place.fail(fmt::format("{}.clip: {} is not an object; expected {}", key, shown(clip),
+                             R"({"axis": [x, y, s, constant], "from": a, "to": b, "caps": [from, to]})"));
+    }
+    check_keys(clip, {"axis", "from", "to", "caps"}, place, inside);
+    QuadricClip& to = out.clip.emplace();
+    numbers(clip, inside, "axis", to.axis, "[x, y, s, constant]");
+    for (const auto& [name, end] : {std::pair{"from", &to.from}, std::pair{"to", &to.to}}) {
+      const auto path = [&, name = name] { return inside + name; };
+      if (!clip.contains(name)) place.fail(path() + ": key is missing; expected a number");
+      *end = number(clip[name], place, path);
+    }
+    if (clip.contains("caps")) {
+      const auto path = [&] { return inside + "caps"; };
+      const Json& caps = array(clip["caps"], 2, place, path, "[true or false, true or false]");
+      to.cap_from = flag(caps[0], path());
+      to.cap_to = flag(caps[1], path());
+    }
+  }
+  if (const std::string fault = quadric_fault(out); !fault.empty()) place.fail(key + fault);
+  return out;
+}
+
 Scene read_header(const Json& line, const Place& place, const std::filesystem::path& folder, int& color_max,
                   int& version, std::vector<HeaderTexture>& textures, const ShadowOptions& codes,
                   std::optional<ShadowOptions>& shadow) {
@@ -514,7 +578,7 @@ Scene read_header(const Json& line, const Place& place, const std::filesystem::p
   version = integer(line["bitspan"], 1, 2, place, "bitspan");
   check_keys(line,
              {"bitspan", "width", "height", "s_min", "s_max", "focal", "background", "color_max", "fog",
-              "projector", "light", "shadow", "textures"},
+              "projector", "light", "shadow", "quadrics", "textures"},
              place, "");
   Scene scene;
   scene.width = integer(required(line, "width", place, "pixels"), 1, picture_size_limit, place, "width");
@@ -550,6 +614,16 @@ Scene read_header(const Json& line, const Place& place, const std::filesystem::p
   if (const auto found = line.find("shadow"); found != line.end()) {
     if (version < 2) place.fail("shadow: is not legal in version 1; expected \"bitspan\": 2");
     shadow = read_shadow(*found, place, codes);
+  }
+  if (const auto found = line.find("quadrics"); found != line.end()) {
+    if (version < 2) place.fail("quadrics: is not legal in version 1; expected \"bitspan\": 2");
+    if (!found->is_array() || found->size() > quadrics_limit) {
+      place.fail(fmt::format("quadrics: {} is not legal; expected a list of at most {}", shown(*found),
+                             quadrics_limit));
+    }
+    for (std::size_t i = 0; i < found->size(); ++i) {
+      scene.quadrics.push_back(read_quadric((*found)[i], i, place));
+    }
   }
   if (const auto found = line.find("textures"); found != line.end()) {
     if (!found->is_array())
@@ -992,8 +1066,19 @@ Json light_json(const Light& light) {
   return out;
 }
 
+Json quadric_json(const Quadric& q) {
+  Json out = {
+      {"triangles", {q.first, q.first + q.count - 1}}, {"matrix", q.matrix}, {"within", {q.low, q.high}}};
+  if (q.two_sided) out["two_sided"] = true;
+  if (!q.clip) return out;
+  Json& clip = out["clip"];
+  clip = {{"axis", q.clip->axis}, {"from", q.clip->from}, {"to", q.clip->to}};
+  if (q.clip->cap_from || q.clip->cap_to) clip["caps"] = {q.clip->cap_from, q.clip->cap_to};
+  return out;
+}
+
 std::string header_text(const Scene& scene, std::span<const std::string> names) {
-  const bool second = !scene.commands.empty() || scene.projector || scene.light ||
+  const bool second = !scene.commands.empty() || scene.projector || scene.light || !scene.quadrics.empty() ||
                       std::ranges::any_of(scene.textures, is_formatted) ||
                       std::ranges::any_of(scene.triangles, gives_more) ||
                       std::ranges::any_of(scene.triangles, &Triangle::is_line);
@@ -1022,6 +1107,11 @@ std::string header_text(const Scene& scene, std::span<const std::string> names) 
     out += '}';
   }
   if (scene.light) out += ",\"light\":" + light_json(*scene.light).dump();
+  if (!scene.quadrics.empty()) {
+    Json quadrics = Json::array();
+    for (const Quadric& q : scene.quadrics) quadrics.push_back(quadric_json(q));
+    out += ",\"quadrics\":" + quadrics.dump();
+  }
   if (!names.empty()) {
     out += ",\"textures\":";
     Json entries = Json::array();
@@ -1202,7 +1292,7 @@ DrawCommand parse_command(std::string_view json, const std::string& origin) {
 
 struct TriReader::State {
   std::ifstream file;
-  Place place;
+  Place place, header;
   std::optional<LineReader> lines;    // of a text
   std::optional<TribReader> records;  // of a binary stream
   std::string line;
@@ -1360,11 +1450,15 @@ struct TriReader::State {
   }
   bool next(Triangle& triangle) {
     if (passes) return next_given(triangle);
-    return records ? next_record(triangle) : next_line(triangle);
+    if (records ? next_record(triangle) : next_line(triangle)) return true;
+    if (const std::string fault = ranges_fault(scene.quadrics, triangles); !fault.empty()) {
+      header.fail("quadrics" + fault);
+    }
+    return false;
   }
 
   // The whole stream, drawn in that light.
-  void light(const ShadowOptions& shadow, const Place& header) {
+  void light(const ShadowOptions& shadow) {
     Scene all = scene;
     Triangle triangle;
     while (next(triangle)) all.triangles.push_back(triangle);
@@ -1400,13 +1494,13 @@ struct TriReader::State {
       }
     }
     std::optional<ShadowOptions> shadow;
-    const Place header = place;
+    header = place;
     scene = read_header(parse_line(line, place), place, fs::path(origin).parent_path(), color_max, version,
                         textures, codes == nullptr ? ShadowOptions{} : *codes, shadow);
     views = Views(scene);
     if (first_frame) show_frame(*first_frame);
     scene.name = fs::path(origin).stem().string();
-    if (shadow) light(*shadow, header);
+    if (shadow) light(*shadow);
   }
 };
 
@@ -1506,6 +1600,13 @@ void check_scene(const Scene& scene, const std::string& origin) {
   if (scene.light) {
     if (const std::string fault = light_fault(*scene.light, scene.s_max); !fault.empty())
       place.fail("light" + fault);
+  }
+  for (std::size_t i = 0; i < scene.quadrics.size(); ++i) {
+    if (const std::string fault = quadric_fault(scene.quadrics[i]); !fault.empty())
+      place.fail(fmt::format("quadrics[{}]{}", i, fault));
+  }
+  if (const std::string fault = ranges_fault(scene.quadrics, scene.triangles.size()); !fault.empty()) {
+    place.fail("quadrics" + fault);
   }
   std::size_t least = 0;
   for (const DrawCommand& command : scene.commands) {

@@ -247,8 +247,10 @@ std::vector<Visible> by_rays(const OracleInput& input) {
 
 const RegisterOracle ray{
     {.name = "ray",
-     .meaning = "the first triangle that a ray from the eye meets; shadows by rays from the light",
+     .meaning = "the first triangle, and the first quadric, that a ray from the eye meets; shadows by rays "
+                "from the light",
      .has_shadows = true,
+     .has_quadrics = true,
      .visible = by_rays}};
 
 }  // namespace

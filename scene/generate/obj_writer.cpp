@@ -19,6 +19,23 @@ void ObjWriter::vertex(const Vec3& position, std::optional<double> shade) {
   file_.write(line_);
 }
 
+void ObjWriter::normal(const Vec3& direction) {
+  line_.clear();
+  fmt::format_to(std::back_inserter(line_), "vn {} {} {}\n", direction.x, direction.y, direction.z);
+  file_.write(line_);
+}
+
+void ObjWriter::face(std::span<const std::uint32_t> corners, std::span<const std::uint32_t> normals) {
+  line_.clear();
+  line_ += 'f';
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    fmt::format_to(std::back_inserter(line_), " {}//{}", std::uint64_t{corners[i]} + 1,
+                   std::uint64_t{normals[i]} + 1);
+  }
+  line_ += '\n';
+  file_.write(line_);
+}
+
 void ObjWriter::face(std::span<const std::uint32_t> corners) {
   line_.clear();
   line_ += 'f';

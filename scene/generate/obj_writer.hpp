@@ -29,6 +29,9 @@ class ObjWriter {
   void vertex(const Vec3& position, std::optional<double> shade = {});
   // Vertices count from 0, counterclockwise seen from the front. A face has three or more.
   void face(std::span<const std::uint32_t> corners);
+  void normal(const Vec3& direction);
+  // The same with a normal per corner; normals count from 0, too.
+  void face(std::span<const std::uint32_t> corners, std::span<const std::uint32_t> normals);
   void commit() { file_.commit(); }
 
  private:

@@ -49,9 +49,11 @@ class Cli : public Program {
 };
 
 TEST_F(Cli, EveryCommandHasHelpWithAnExample) {
-  for (const char* command : {"demo", "verify", "render", "explain", "sim", "fuzz", "replay", "config",
-                              "study", "vectors", "check", "completion", "make", "make curve", "make patches",
-                              "config show", "config check", "config emit-sv", "config schema"}) {
+  for (const char* command :
+       {"demo",         "verify",      "render",       "explain",        "sim",
+        "fuzz",         "replay",      "config",       "study",          "vectors",
+        "check",        "completion",  "make",         "make curve",     "make patches",
+        "make quadric", "config show", "config check", "config emit-sv", "config schema"}) {
     const Result r = run(std::string(command) + " --help");
     EXPECT_EQ(r.code, 0) << command;
     EXPECT_NE(r.out.find("Example:\n  bitspan " + std::string(command)), std::string::npos) << r.out;
