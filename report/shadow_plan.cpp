@@ -36,6 +36,7 @@ std::string place_text(std::int64_t at, int width) {
 
 std::optional<ShadowPlan> shadow_plan_of(const Config& config, const Scene& scene) {
   if (!scene.projector || !has_project(config.project)) return std::nullopt;
+  if (goes_by_given_depth(config, scene)) return std::nullopt;  // a ray needs the distance
   ShadowPlan plan;
   const std::vector<DrawState> states = states_of(config, scene.commands);
   std::size_t change = 0;

@@ -33,7 +33,8 @@ struct ShadowPlan {
   Scene mask;                         // the whole scene, white where it is lit and black where it is dark
 };
 // None where the scene is no such plan: one pass on another target with a view of its own, whose depth is
-// copied to a texture once, and one on target 0, which compares with it by lequal where it is projected.
+// copied to a texture once, and one on target 0, which compares with it by lequal where it is projected. None
+// where vertices give their depth apart from the distance.
 std::optional<ShadowPlan> shadow_plan_of(const Config& config, const Scene& scene);
 
 // The winners of a frame of the whole scene, by the picture's own indices.

@@ -190,16 +190,32 @@ bool goes_by_given_depth(const Config& config, const Scene& scene) {
          });
 }
 
+std::optional<Scene> by_distance(const Config& config, const Scene& scene) {
+  if (!goes_by_given_depth(config, scene)) return std::nullopt;
+  Scene out = scene;
+  for (Triangle& triangle : out.triangles) {
+    for (Vertex& v : triangle.v) {
+      if (v.z < 0) continue;
+      // h / h_max = 1 - z = s_min (s_max / s - 1) / (s_max - s_min)
+      const double share = (1 - v.z) * (scene.s_max - scene.s_min) / scene.s_min;
+      v.s = std::clamp(scene.s_max / (share + 1), scene.s_min, scene.s_max);
+      v.z = -1;
+    }
+  }
+  return out;
+}
+
+double distance_rounding(const Config& config, const Scene& scene) {
+  // Fewer than eight roundings of s_max / s, by which h grows with h_max s_min / (s_max - s_min).
+  return 8 * 0x1p-53 * static_cast<double>(golden::h_max(config)) * scene.s_max / (scene.s_max - scene.s_min);
+}
+
 std::string visibility_refusal(const Config& config, const Scene& scene) {
   if (std::ranges::any_of(scene.triangles, &Triangle::is_line)) {
     return "the scene has lines, which have no surface; legal for oracles: triangles";
   }
   if (has_x_step(config)) {
     return "raster.edge_walk: a dda's coverage is not that of the exact test; legal for oracles: exact";
-  }
-  if (goes_by_given_depth(config, scene)) {
-    return "depth.line: vertices give a depth of their own, and an oracle goes by the distance; legal for "
-           "oracles: h";
   }
   if (has_perspective_shades(config.shade_lines)) {
     // With these an alpha of 1 comes back from its division as 1, or nearly so.
@@ -277,8 +293,10 @@ Visibility::Visibility(const Config& config, const Scene& scene, std::vector<dou
   if (bounds_.size() != scene.triangles.size())
     throw std::invalid_argument("Visibility: a bound per triangle");
   const std::vector<bool> vanishes = vanishing_triangles(config, scene, scene.triangles);
-  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
-    const auto shape = ideal_triangle(config, scene.triangles[i]);
+  const std::optional<Scene> own = by_distance(config, scene);
+  const std::vector<Triangle>& triangles = own ? own->triangles : scene.triangles;
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const auto shape = ideal_triangle(config, triangles[i]);
     if (shape) (vanishes[i] ? vanishing_ : faces_).push_back({static_cast<std::int32_t>(i), *shape});
   }
 }

@@ -65,6 +65,11 @@ void write_visibility_map(const std::string& path, const VisibilityReport& repor
 
 // Whether depth is of a line that vertices give, and not of the distance.
 bool goes_by_given_depth(const Config& config, const Scene& scene);
+// The scene as oracles take it; none where that is the scene itself. Where vertices give their depth, as
+// those of a parallel projection do, each has the distance whose h that is: 1/S of it is as linear in the
+// picture as the depth. Distances are rounded to doubles, so h is off by up to distance_rounding codes.
+std::optional<Scene> by_distance(const Config& config, const Scene& scene);
+double distance_rounding(const Config& config, const Scene& scene);
 
 // Why no oracle draws the scene: one line that names the key or the command. Empty where the triangle seen
 // at each pixel is a matter of the nearest depth alone, but for fragments that are killed. Throws InputError

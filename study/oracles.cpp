@@ -1,15 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "study/oracles.hpp"
 
+#include <cmath>
+
 #include "study/bounds/bounds.hpp"
 
 namespace bitspan {
+
+namespace {
+
+// As stored_depth_bounds, of scenes whose vertices give their depth, too. That depth goes through all
+// registers of h, and so the bounds of h hold. Only at a vertex it is rounded on the other side, before it is
+// taken from the greatest code: there it may be off from h by an ulp the other way.
+std::vector<double> depth_bounds(const Config& config, const Scene& scene) {
+  const std::optional<Scene> own = by_distance(config, scene);
+  std::vector<double> out = stored_depth_bounds(config, own ? *own : scene);
+  if (!own) return out;
+  const double other_side = 2 * std::ldexp(1.0, -config.format(FormatId::setup_h).fraction());
+  for (double& bound : out) bound += other_side + distance_rounding(config, scene);
+  return out;
+}
+
+}  // namespace
 
 std::optional<Visibility> visibility_of(const Config& config, const Scene& scene, std::string& why) {
   why = visibility_refusal(config, scene);
   if (!why.empty()) return std::nullopt;
   try {
-    return Visibility(config, scene, stored_depth_bounds(config, scene));
+    return Visibility(config, scene, depth_bounds(config, scene));
   } catch (const InputError& error) {  // no bound is known
     why = error.what();
     return std::nullopt;
@@ -17,7 +35,9 @@ std::optional<Visibility> visibility_of(const Config& config, const Scene& scene
 }
 
 std::string own_refusal(const Oracle& oracle, const Config& config, const Scene& scene) {
-  return oracle.refuses == nullptr ? "" : oracle.refuses(config, scene);
+  if (oracle.refuses == nullptr) return "";
+  const std::optional<Scene> own = by_distance(config, scene);
+  return oracle.refuses(config, own ? *own : scene);
 }
 
 std::vector<PixelFinding> shadows_of(const Config& config, const ShadowPlan& plan,
