@@ -19,6 +19,7 @@
 #include "engine/range.hpp"
 #include "engine/registry.hpp"
 #include "report/describe.hpp"
+#include "report/edges.hpp"
 #include "report/error.hpp"
 #include "report/layers.hpp"
 #include "report/lockstep.hpp"
@@ -240,18 +241,21 @@ OracleWords ask_oracles(const ExplainArguments& o, std::span<const Oracle* const
   const Frame& of_shown = of_picture ? *of_picture : frame;
   std::string refusal;
   const std::optional<Visibility> visibility = visibility_of(config, shown, refusal);
+  const std::optional<Scene> own = by_distance(config, shown);
   const std::optional<Scene> layered = layered_picture_of(scene);
   const auto at = static_cast<std::size_t>(o.y * shown.width + o.x);
-  const auto tell = [&](const Oracle& oracle, std::string_view what, const PixelFinding& found) {
+  const auto tell = [&](const Oracle& oracle, std::string_view what, std::string_view against,
+                        const PixelFinding& found) {
     out.lines.push_back(
-        fmt::format("oracle {}{} against {}: {}", oracle.name, what, engine, pixel_text(found)));
+        fmt::format("oracle {}{} against {}: {}", oracle.name, what, against, pixel_text(found)));
     if (oracle.is_truth && found.verdict == PixelVerdict::unexplained) out.held = false;
   };
   for (const Oracle* oracle : oracles) {
     const bool by_layers = layered && oracle->has_layers;
-    const std::string why = by_layers    ? layer_refusal(config, *layered)
-                            : visibility ? own_refusal(*oracle, config, shown)
-                                         : refusal;
+    const std::string why = by_layers                  ? layer_refusal(config, *layered)
+                            : oracle->edges != nullptr ? visibility_refusal(config, shown)
+                            : visibility               ? own_refusal(*oracle, config, shown)
+                                                       : refusal;
     if (!why.empty()) {
       out.lines.push_back(fmt::format("oracle {} left out: {}", oracle->name, why));
       out.left_out = true;
@@ -260,8 +264,16 @@ OracleWords ask_oracles(const ExplainArguments& o, std::span<const Oracle* const
     out.some_draws = true;
     if (by_layers) {
       golden::ABuffer lists = golden::make_abuffer(config, *layered);
-      tell(*oracle, "", layer_findings(config, *layered, lists, frame, engine).at(at));
+      tell(*oracle, "", engine, layer_findings(config, *layered, lists, frame, engine).at(at));
       for (std::string& line : layers_text(config, lists.pixels.at(at))) out.lines.push_back(std::move(line));
+      continue;
+    }
+    if (oracle->edges != nullptr) {
+      const Scene& taken = own ? *own : shown;
+      const SeenEdges seen = seen_edges(*oracle, config, taken);
+      const std::vector<EdgeAt> here = edges_at(*oracle, taken, seen, o.x, o.y);
+      for (const EdgeAt& edge : here) tell(*oracle, ", " + edge_text(edge), "rays", edge.found);
+      if (here.empty()) out.lines.push_back(fmt::format("oracle {}: no edge passes", oracle->name));
       continue;
     }
     const std::vector<Visible> picture = visibility->picture(*oracle);
@@ -270,14 +282,14 @@ OracleWords ask_oracles(const ExplainArguments& o, std::span<const Oracle* const
         seen.triangle < 0 || !plan ? seen.triangle : seen.triangle + static_cast<std::int64_t>(plan->first);
     rows.push_back({std::string(oracle->name), fmt::format("{}", triangle),
                     fmt::format("h {:.10g}", visibility->depth_of(seen)), "-", "-", "-", "-", "-"});
-    tell(*oracle, "", visibility->at(*oracle, picture, of_shown, engine, o.x, o.y));
+    tell(*oracle, "", engine, visibility->at(*oracle, picture, of_shown, engine, o.x, o.y));
     if (oracle->has_quadrics && !shown.quadrics.empty()) {
-      tell(*oracle, "_quadrics",
+      tell(*oracle, "_quadrics", engine,
            quadric_finding(*visibility, *oracle, picture, of_shown, engine, o.x, o.y));
     }
     if (!plan || !oracle->has_shadows) continue;
     const VisibilityReport report = visibility->compare(*oracle, picture, of_shown, engine);
-    tell(*oracle, "_shadows", shadows_of(config, *plan, picture, report, {})[at]);
+    tell(*oracle, "_shadows", engine, shadows_of(config, *plan, picture, report, {})[at]);
   }
   return out;
 }

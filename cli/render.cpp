@@ -30,6 +30,7 @@
 #include "model/paths.hpp"
 #include "model/stages/texel.hpp"
 #include "report/dump.hpp"
+#include "report/edges.hpp"
 #include "report/lockstep.hpp"
 #include "report/stereo.hpp"
 #include "report/table.hpp"
@@ -200,6 +201,26 @@ int render_stereo(const RenderArguments& o, const Stereo& stereo, const Config& 
 
 constexpr std::string_view oracle_prefix = "oracle:";
 
+// Of triangles that no oracle draws; empty without one.
+std::string undrawn_note(std::size_t triangles) {
+  if (triangles == 0) return "";
+  return fmt::format("note: {} triangles are not drawn, since their fragments may be killed\n", triangles);
+}
+
+// What an oracle of edges sees: its visible parts as lines.
+int render_edges(const RenderArguments& o, const Oracle& oracle, const Config& config,
+                 const LoadedScene& loaded) {
+  const Scene& scene = loaded.scene;
+  const std::optional<Scene> own = by_distance(config, scene);
+  const SeenEdges seen = seen_edges(oracle, config, own ? *own : scene);
+  write_png(o.output, scene.width, scene.height, 4, edge_picture(scene, seen.edges));
+  fmt::print("{}: {}x{}, {} triangles, {} ({}), {}\n", scene.name, scene.width, scene.height,
+             scene.triangles.size(), config.name, config_hash(config), o.engine);
+  fmt::print("{}\n{}{}", counts_text(seen.counts),
+             undrawn_note(scene.triangles.size() - seen.triangles.size()), faces_line(loaded));
+  return exit_held;
+}
+
 // What an oracle sees. It has no registers, so there is no colour but a flat one per triangle.
 int render_oracle(const RenderArguments& o) {
   const std::string name = o.engine.substr(oracle_prefix.size());
@@ -222,17 +243,14 @@ int render_oracle(const RenderArguments& o) {
   std::string why = visibility_refusal(config, scene);
   if (why.empty()) why = own_refusal(*known, config, scene);
   if (!why.empty()) throw InputError(fmt::format("--engine: oracle {} does not draw this: {}", name, why));
+  if (known->edges != nullptr) return render_edges(o, *known, config, loaded);
   const Visibility visibility(config, scene, std::vector<double>(scene.triangles.size()));
   const std::vector<Visible> picture = visibility.picture(*known);
   write_png(o.output, scene.width, scene.height, 4, flat_picture(scene, picture));
   const auto seen = std::ranges::count_if(picture, [](const Visible& at) { return at.triangle >= 0; });
   fmt::print("{}: {}x{}, {} triangles, {} pixels covered, {} ({}), {}\n", scene.name, scene.width,
              scene.height, scene.triangles.size(), seen, config.name, config_hash(config), o.engine);
-  if (visibility.vanishing() != 0) {
-    fmt::print("note: {} triangles are not drawn, since their fragments may be killed\n",
-               visibility.vanishing());
-  }
-  fmt::print("{}", faces_line(loaded));
+  fmt::print("{}{}", undrawn_note(visibility.vanishing()), faces_line(loaded));
   return exit_held;
 }
 
@@ -375,7 +393,8 @@ void add_render(CLI::App& app, Action& action) {
   sub->add_option(
          "--engine", o->engine,
          "golden, model, systemc, rtl, ideal or dut:NAME; or oracle:NAME, what an oracle of verify "
-         "--oracles sees, each triangle in the mean colour of its vertices times the texel in its middle")
+         "--oracles sees, each triangle in the mean colour of its vertices times the texel in its middle; "
+         "of one of edges white lines")
       ->capture_default_str();
   sub->add_flag("--statistics", o->statistics,
                 "range, bits used, saturations, wraps and bias of each register");

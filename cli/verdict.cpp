@@ -13,6 +13,7 @@
 #include "cli/progress.hpp"
 #include "config/modes.hpp"
 #include "engine/stages.hpp"
+#include "report/edges.hpp"
 #include "report/layers.hpp"
 #include "report/metrics.hpp"
 #include "report/quadrics.hpp"
@@ -55,8 +56,9 @@ void judge_differences(SceneVerdict& v) {
   }
   for (const VisibilityReport& oracle : v.oracles) {
     if (oracle.held()) continue;
-    v.failures.push_back(fmt::format("oracle {} against {}: {} pixels are unexplained; the first: {}",
-                                     oracle.oracle, oracle.engine, oracle.unexplained, oracle.first));
+    v.failures.push_back(fmt::format("oracle {} against {}: {} {} are unexplained; the first: {}",
+                                     oracle.oracle, oracle.engine, oracle.unexplained, oracle.unit,
+                                     oracle.first));
   }
   if (v.cycles && v.cycles->differences > 0) {
     v.failures.push_back(
@@ -163,6 +165,7 @@ void compare_oracles(const VerifyOptions& options, const Scene& scene, const Eng
   const Frame& frame = of_picture ? *of_picture : engine.frame();
   std::string refusal;
   const std::optional<Visibility> visibility = visibility_of(v.config, shown, refusal);
+  const std::optional<Scene> own = by_distance(v.config, shown);
   const std::optional<Scene> layered = layered_picture_of(scene);
   for (const Oracle* oracle : options.oracles) {
     const auto leave_out = [&](const std::string& why) {
@@ -176,6 +179,21 @@ void compare_oracles(const VerifyOptions& options, const Scene& scene, const Eng
         v.oracles.push_back(layer_report(*oracle, frame, engine.name(),
                                          layer_findings(v.config, *layered, lists, frame, engine.name())));
       }
+      continue;
+    }
+    if (oracle->edges != nullptr) {
+      // It needs no bounds of depth.
+      std::string why = visibility ? "" : visibility_refusal(v.config, shown);
+      if (why.empty()) {
+        const Scene& taken = own ? *own : shown;
+        VisibilityReport report = edge_report(*oracle, taken, seen_edges(*oracle, v.config, taken));
+        if (report.compared() != 0) {
+          v.oracles.push_back(std::move(report));
+          continue;
+        }
+        why = "there is no edge of a triangle whose fragments cannot be killed";
+      }
+      leave_out(why);
       continue;
     }
     if (const std::string why = visibility ? own_refusal(*oracle, v.config, shown) : refusal; !why.empty()) {
@@ -250,7 +268,7 @@ bool SceneVerdict::compared() const {
 }
 
 bool SceneVerdict::has_true_oracle() const {
-  return std::ranges::any_of(oracles, &VisibilityReport::is_truth);
+  return std::ranges::any_of(oracles, [](const VisibilityReport& r) { return r.is_truth && r.is_of_engine; });
 }
 
 std::string_view SceneVerdict::outcome() const {
@@ -523,7 +541,7 @@ void append_junit(const SceneVerdict& v, std::vector<JunitCase>& cases) {
     JunitCase one;
     one.class_name = class_name;
     one.name = fmt::format("oracle {} = {}", oracle.oracle, oracle.engine);
-    if (!oracle.held()) one.failure = fmt::format("{} pixels are unexplained", oracle.unexplained);
+    if (!oracle.held()) one.failure = fmt::format("{} {} are unexplained", oracle.unexplained, oracle.unit);
     if (!oracle.held()) one.details = visibility_text(oracle) + "\n" + oracle.first + "\n";
     cases.push_back(std::move(one));
   }
@@ -652,6 +670,7 @@ std::string verdict_json(std::span<const SceneVerdict> verdicts, const std::stri
       for (const OracleCount& count : oracle.counts) counts[std::string(count.name)] = count.value;
       scene["oracles"].push_back({{"oracle", oracle.oracle},
                                   {"engine", oracle.engine},
+                                  {"unit", oracle.unit},
                                   {"truth", oracle.is_truth},
                                   {"equal", oracle.equal},
                                   {"ties", oracle.ties},

@@ -57,7 +57,7 @@ struct SceneVerdict {
   bool truth_draws = false;  // by the exact test, some pixel is covered
   std::optional<CycleVerdict> cycles;
   std::vector<ChainVerdict> chain;            // one per memory
-  std::vector<VisibilityReport> oracles;      // against the first engine
+  std::vector<VisibilityReport> oracles;      // against the first engine; those of edges against rays
   std::optional<ProjectReport> faces;         // of a mesh
   std::vector<std::string> left_out;          // one line per engine that was asked for and does not run this
   std::vector<std::string> oracles_left_out;  // one line per oracle that does not draw this
@@ -66,8 +66,8 @@ struct SceneVerdict {
   std::vector<std::string> failures;          // one line each; empty: all held
 
   bool held() const { return failures.empty(); }
-  // Whether there is a pair or an oracle of the truth, and every pair compared values that are not trivial,
-  // of a scene that draws.
+  // Whether there is a pair or an oracle of the truth that judges an engine, and every pair compared values
+  // that are not trivial, of a scene that draws.
   bool compared() const;
   bool has_true_oracle() const;
   // "all held", "FAILED", or what --allow-missing or --allow-empty let pass without a comparison of all

@@ -6,6 +6,7 @@
 // NAME.cpp, which the linker is told to look for.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -13,6 +14,7 @@
 #include <string_view>
 #include <vector>
 
+#include "golden/eye_space.hpp"
 #include "golden/surface.hpp"
 
 namespace bitspan {
@@ -43,6 +45,12 @@ struct Visible {
   golden::InverseDistance q;   // at the pixel's centre
 };
 
+// An edge, from end 0 to end 1.
+struct SeenEdge {
+  std::array<golden::EyePoint, 2> end{};
+  std::vector<std::int32_t> on;  // input indices of the triangles in whose planes it lies, ascending
+  // Its visible parts, as shares of the way to end 1: ascending, and apart.
+  std::vector<std::array<double, 2>> visible;
 };
 
 struct Oracle {
@@ -61,6 +69,10 @@ struct Oracle {
   // Returns height * width pixels, rows from the top. Of faces that are exactly as far, the one of the least
   // index is seen.
   std::vector<Visible> (*visible)(const OracleInput& input) = nullptr;
+  // It judges edges and no pixels: `visible` is null then, and rays to points of the edges are compared with
+  // it. triangles: input indices, ascending, of those that are drawn. counts: as of OracleInput.
+  std::vector<SeenEdge> (*edges)(const Scene& scene, std::span<const std::int32_t> triangles,
+                                 std::vector<OracleCount>* counts) = nullptr;
 };
 
 // An object of this type at namespace scope makes an oracle known before main(). Throws std::logic_error

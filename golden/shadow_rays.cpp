@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "golden/shadow_rays.hpp"
 
-#define BOOST_ALLOW_DEPRECATED_HEADERS  // else the compiler notes that Boost's tree includes one
-
 #include <algorithm>
-#include <boost/geometry/geometries/box.hpp>
-#include <boost/geometry/geometries/point.hpp>
-#include <boost/geometry/index/rtree.hpp>
-#include <boost/geometry/strategies/strategies.hpp>
 #include <cmath>
 #include <cstdint>
-#include <iterator>
 #include <optional>
 #include <utility>
+
+#include "golden/box_tree.hpp"
 
 namespace bitspan::golden {
 namespace {
@@ -129,30 +124,25 @@ Receiver receiver_at(const std::array<std::array<double, 3>, 3>& xyw, const std:
 }
 
 struct ShadowRays::Tree {
-  using Place = boost::geometry::model::point<double, 2, boost::geometry::cs::cartesian>;
-  using Box = boost::geometry::model::box<Place>;
-  using Entry = std::pair<Box, std::uint32_t>;
-  boost::geometry::index::rtree<Entry, boost::geometry::index::quadratic<8>> boxes;
+  BoxTree boxes;
 };
 
 ShadowRays::ShadowRays(std::span<const Caster> casters)
     : casters_(casters.begin(), casters.end()), tree_(std::make_unique<Tree>()) {
-  std::vector<Tree::Entry> entries;
+  std::vector<BoxTree::Entry> entries;
   for (std::size_t i = 0; i < casters_.size(); ++i) {
     const auto [x_low, x_high] = std::ranges::minmax(casters_[i].x);
     const auto [y_low, y_high] = std::ranges::minmax(casters_[i].y);
-    entries.emplace_back(Tree::Box{{x_low, y_low}, {x_high, y_high}}, static_cast<std::uint32_t>(i));
+    entries.emplace_back(BoxTree::Box{{x_low, y_low}, {x_high, y_high}}, static_cast<std::uint32_t>(i));
   }
-  tree_->boxes = decltype(tree_->boxes)(entries);
+  tree_->boxes = BoxTree(entries);
 }
 ShadowRays::~ShadowRays() = default;
 
 Lit ShadowRays::at(const Receiver& r, double reach, double margin) const {
   const Square square{r.x, r.y, reach};
-  std::vector<Tree::Entry> found;
-  tree_->boxes.query(
-      boost::geometry::index::intersects(Tree::Box{{r.x - reach, r.y - reach}, {r.x + reach, r.y + reach}}),
-      std::back_inserter(found));
+  const std::vector<BoxTree::Entry> found =
+      tree_->boxes.touching(BoxTree::Box{{r.x - reach, r.y - reach}, {r.x + reach, r.y + reach}});
   // The surface itself, and what the comparison takes for it where that is farther.
   double share = 1;
   double least_apart = HUGE_VAL;

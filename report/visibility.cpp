@@ -123,13 +123,19 @@ std::string pixel_text(const PixelFinding& found) {
 }
 
 std::string visibility_text(const VisibilityReport& r) {
-  std::string out =
-      fmt::format("{} against {}: {} pixels equal, {} ties {}, {} {}", r.oracle, r.engine, r.equal, r.ties,
-                  r.ties_as, r.unexplained, r.is_truth ? "unexplained" : "wrong, as this algorithm may be");
+  std::string out = fmt::format("{} against {}: {} {} equal, {} ties {}, {} {}", r.oracle, r.engine, r.equal,
+                                r.unit, r.ties, r.ties_as, r.unexplained,
+                                r.is_truth ? "unexplained" : "wrong, as this algorithm may be");
   if (r.edges != 0) out += fmt::format("; {} {}", r.edges, r.edges_as);
   if (r.left_out != 0) out += fmt::format("; {} left out, {}", r.left_out, r.left_out_as);
-  for (const OracleCount& count : r.counts) {
-    out += fmt::format("{} {:.6g} {}", &count == r.counts.data() ? ";" : ",", count.value, count.name);
+  if (!r.counts.empty()) out += "; " + counts_text(r.counts);
+  return out;
+}
+
+std::string counts_text(std::span<const OracleCount> counts) {
+  std::string out;
+  for (const OracleCount& count : counts) {
+    out += fmt::format("{}{:.6g} {}", out.empty() ? "" : ", ", count.value, count.name);
   }
   return out;
 }

@@ -41,6 +41,8 @@ struct PixelFinding {
 struct VisibilityReport {
   std::string oracle, engine;
   bool is_truth = true;
+  bool is_of_engine = true;  // else it says nothing of one: `engine` is what an oracle is compared with
+  std::string_view unit = "pixels";
   int width = 0, height = 0;
   std::uint64_t background = 0, equal = 0, ties = 0, edges = 0, unexplained = 0, left_out = 0;
   std::string_view ties_as = "that the bounds predict";
@@ -60,6 +62,8 @@ VisibilityReport report_on(const Oracle& oracle, int width, int height, std::str
 std::string pixel_text(const PixelFinding& found);
 // "half_planes against golden: 812 pixels equal, 3 ties that the bounds predict, 0 unexplained".
 std::string visibility_text(const VisibilityReport& report);
+// "3 bodies, 27 edges".
+std::string counts_text(std::span<const OracleCount> counts);
 // The verdict per pixel as a PNG file: 0 equal, 1 tie, 2 unexplained; grey where nothing is compared.
 void write_visibility_map(const std::string& path, const VisibilityReport& report);
 
