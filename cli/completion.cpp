@@ -34,7 +34,7 @@ std::string values_of(const CLI::Option& option) {
     return words.append(files);
   }
   if (name == "engine") {
-    return fmt::format("{} oracle:{}", fmt::join(engine_names(), " "), oracle_names(" oracle:"));
+    return fmt::format("{} oracle:{}", fmt::join(engine_names(), " "), oracle_names(" oracle:", true));
   }
   if (name == "engines") return fmt::format("{}", fmt::join(engine_names(), " "));
   if (name == "oracles") return "all " + oracle_names(" ");

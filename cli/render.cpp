@@ -224,9 +224,9 @@ int render_edges(const RenderArguments& o, const Oracle& oracle, const Config& c
 // What an oracle sees. It has no registers, so there is no colour but a flat one per triangle.
 int render_oracle(const RenderArguments& o) {
   const std::string name = o.engine.substr(oracle_prefix.size());
-  const auto known = std::ranges::find(oracles(), name, &Oracle::name);
-  if (known == oracles().end()) {
-    throw InputError(fmt::format("--engine: '{}' is no oracle; legal: {}", name, oracle_names(", ")));
+  const Oracle* const known = find_oracle(name);
+  if (known == nullptr) {
+    throw InputError(fmt::format("--engine: '{}' is no oracle; legal: {}", name, oracle_names(", ", true)));
   }
   if (o.output.empty() || !o.dump.empty() || o.position || !o.emit_tri.empty() || o.plain_textures ||
       o.statistics || stereo_of(o) || o.view.supersample > 1) {

@@ -147,7 +147,9 @@ void add_verify(CLI::App& app, Action& action) {
   sub->add_option("--engines", o->engines, "compared with the first; ideal adds the error table")
       ->capture_default_str();
   std::string known;
-  for (const Oracle& oracle : oracles()) known += fmt::format("; {}: {}", oracle.name, oracle.meaning);
+  for (const Oracle* oracle : parse_oracles("all")) {
+    known += fmt::format("; {}: {}", oracle->name, oracle->meaning);
+  }
   sub->add_option("--oracles", o->oracles,
                   "compare the first engine's picture with these, by the proved bounds: all that fit the "
                   "scene, or names" +

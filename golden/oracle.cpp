@@ -26,9 +26,15 @@ RegisterOracle::RegisterOracle(const Oracle& oracle) {
 
 std::span<const Oracle> oracles() { return known_oracles(); }
 
-std::string oracle_names(std::string_view between) {
+const Oracle* find_oracle(std::string_view name) {
+  const auto at = std::ranges::find(known_oracles(), name, &Oracle::name);
+  return at == known_oracles().end() ? nullptr : &*at;
+}
+
+std::string oracle_names(std::string_view between, bool with_lines) {
   std::string out;
   for (const Oracle& oracle : known_oracles()) {
+    if (oracle.draws_lines && !with_lines) continue;
     out.append(out.empty() ? "" : between).append(oracle.name);
   }
   return out;
@@ -37,21 +43,37 @@ std::string oracle_names(std::string_view between) {
 std::vector<const Oracle*> parse_oracles(const std::string& list) {
   std::vector<const Oracle*> out;
   if (list == "all") {
-    for (const Oracle& oracle : known_oracles()) out.push_back(&oracle);
+    for (const Oracle& oracle : known_oracles()) {
+      if (!oracle.draws_lines) out.push_back(&oracle);
+    }
     return out;
   }
   for (std::size_t from = 0; from <= list.size();) {
     const std::size_t comma = std::min(list.find(',', from), list.size());
     const std::string name = list.substr(from, comma - from);
-    const auto at = std::ranges::find(known_oracles(), name, &Oracle::name);
-    if (at == known_oracles().end()) {
+    const Oracle* const at = find_oracle(name);
+    if (at == nullptr) {
       throw InputError("--oracles: '" + name + "' is no oracle; legal: all, " + oracle_names(", "));
     }
-    if (std::ranges::find(out, &*at) != out.end()) {
+    if (at->draws_lines) {
+      throw InputError("--oracles: '" + name + "' draws lines, and judges no picture; legal: all, " +
+                       oracle_names(", ") + "; render --engine oracle:" + name + " shows it");
+    }
+    if (std::ranges::find(out, at) != out.end()) {
       throw InputError("--oracles: '" + name + "' is named twice");
     }
-    out.push_back(&*at);
+    out.push_back(at);
     from = comma + 1;
+  }
+  return out;
+}
+
+std::vector<OracleFace> golden::faces_of_scene(const Config& config, const Scene& scene) {
+  std::vector<OracleFace> out;
+  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
+    if (const auto shape = ideal_triangle(config, scene.triangles[i])) {
+      out.push_back({static_cast<std::int32_t>(i), *shape});
+    }
   }
   return out;
 }

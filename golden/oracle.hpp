@@ -64,6 +64,8 @@ struct Oracle {
   bool has_quadrics = false;
   // It judges the colours of scenes that are drawn in translucency passes, by the layers of each pixel.
   bool has_layers = false;
+  // It draws lines alone, for a look: it judges no picture, and what it sees has no q.
+  bool draws_lines = false;
   // Why it does not draw a scene, beside what no oracle draws; empty where it does. Null: it draws all.
   std::string (*refuses)(const Config& config, const Scene& scene) = nullptr;
   // Returns height * width pixels, rows from the top. Of faces that are exactly as far, the one of the least
@@ -73,6 +75,9 @@ struct Oracle {
   // it. triangles: input indices, ascending, of those that are drawn. counts: as of OracleInput.
   std::vector<SeenEdge> (*edges)(const Scene& scene, std::span<const std::int32_t> triangles,
                                  std::vector<OracleCount>* counts) = nullptr;
+
+  // Whether its picture can be compared with an engine's.
+  bool judges_pixels() const { return visible != nullptr && !draws_lines; }
 };
 
 // An object of this type at namespace scope makes an oracle known before main(). Throws std::logic_error
@@ -83,13 +88,18 @@ struct RegisterOracle {
 
 // By their names.
 std::span<const Oracle> oracles();
-// Their names, with `between` between two.
-std::string oracle_names(std::string_view between);
-// "half_planes,simplex" -> the oracles, each known and named once; "all" stands for every one. Throws
-// InputError, which names --oracles, otherwise.
+// The one of that name; null where there is none.
+const Oracle* find_oracle(std::string_view name);
+// Their names, with `between` between two: of those that judge something, or of all.
+std::string oracle_names(std::string_view between, bool with_lines = false);
+// "half_planes,simplex" -> the oracles, each known and named once; "all" stands for every one that judges
+// something. Throws InputError, which names --oracles, otherwise.
 std::vector<const Oracle*> parse_oracles(const std::string& list);
 
 namespace golden {
+
+// The triangles of a scene that have an area after the snap.
+std::vector<OracleFace> faces_of_scene(const Config& config, const Scene& scene);
 
 // Whether a point belongs to a triangle, its edges as the fill rule says.
 using CoverageTest = std::function<bool(const IdealTriangle& t, Point p)>;

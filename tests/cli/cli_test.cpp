@@ -1071,6 +1071,36 @@ TEST_F(Cli, OraclesAreDrawn) {
   EXPECT_FALSE(std::filesystem::exists(folder.path("b.png")));
 }
 
+TEST_F(Cli, HeightFieldsAreDrawnByTheirOracles) {
+  const std::string ridges = "'" + source_path("tests/data/ridges.tri") + "'";
+  for (const std::string name : {"horizon", "ybuffer", "ybuffer_lines"}) {
+    const Result r = run("render " + ridges + " --engine oracle:" + name + " -o " + name + ".png");
+    ASSERT_EQ(r.code, 0) << r.out << r.err;
+  }
+  EXPECT_NE(folder.read("horizon.png"), folder.read("ybuffer_lines.png"));
+  stream("a.tri");
+  refused("verify a.tri --oracles horizon", "--oracles: 'horizon' draws lines, and judges no picture");
+  refused("render '" + source_path("tests/data/spot.obj") + "' --size 64x48 --engine oracle:horizon -o b.png",
+          "is no height field in the picture's vertical direction");
+  refused("render '" + source_path("tests/data/cycle.tri") + "' --engine oracle:ybuffer -o b.png",
+          "--engine: oracle ybuffer does not draw this: in column ");
+  // In a parallel projection vertices give their depths, and oracles judge those.
+  const std::string z = run("config show --toml depth20").out;
+  folder.write("z.toml", std::string(z).replace(z.find("[depth]"), 7, "[depth]\nline = \"z\""));
+  ASSERT_EQ(
+      run("make terrain '" + source_path("tests/data/hills.png") + "' -o h.obj --every 4 --vertical 0.00008")
+          .code,
+      0);
+  const Result r = run(
+      "verify h.obj --config z.toml --projection orthographic --no-cull --size 96x72 --engines golden,model "
+      "--oracles scanline,ybuffer,painter,ray,parametric --json v.json");
+  EXPECT_EQ(r.code, 0) << r.out << r.err;
+  for (const auto& oracle : nlohmann::json::parse(folder.read("v.json")).at("scenes")[0].at("oracles")) {
+    EXPECT_EQ(oracle.at("unexplained"), 0) << oracle;
+    EXPECT_GT(oracle.at("equal"), 1000) << oracle;
+  }
+}
+
 TEST_F(Cli, OraclesAreComparedAndShown) {
   stream("a.tri");
   const Result r =

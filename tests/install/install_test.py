@@ -319,7 +319,7 @@ class Pages(Installed):
         oracles = {"oracle:" + name for name in self.complete("bitspan", "verify", "--oracles", "") if name != "all"}
         self.assertLessEqual({"oracle:ray", "oracle:painter", "oracle:scanline"}, oracles)
         self.assertEqual(self.complete("bitspan", "render", "--engine", ""),
-                         {"golden", "model", "systemc", "rtl", "ideal"} | oracles)
+                         {"golden", "model", "systemc", "rtl", "ideal", "oracle:horizon", "oracle:ybuffer_lines"} | oracles)
         self.assertEqual(self.complete("bitspan", "sim", "--mode", ""), {"cycle", "span"})
         (self.work / "mesh.obj").write_text("")
         self.assertEqual(self.complete("bitspan", "verify", ""), {"demo", "extreme", "floor", "mirror", "room", "mesh.obj"})

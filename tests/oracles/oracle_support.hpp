@@ -101,15 +101,14 @@ inline VisibilityReport compared(const Oracle& oracle, const Config& config, con
   return visibility.compare(oracle, visibility.picture(oracle), frame, "engine");
 }
 
-inline const Oracle& oracle_named(const std::string& name) { return *parse_oracles(name).front(); }
+inline const Oracle& oracle_named(const std::string& name) {
+  const Oracle* const known = find_oracle(name);
+  if (known == nullptr) throw std::invalid_argument("no oracle " + name);
+  return *known;
+}
 
 inline std::vector<Visible> picture_of(const std::string& oracle, const Config& config, const Scene& scene) {
-  std::vector<OracleFace> faces;
-  for (std::size_t i = 0; i < scene.triangles.size(); ++i) {
-    if (const auto shape = ideal_triangle(config, scene.triangles[i])) {
-      faces.push_back({static_cast<std::int32_t>(i), *shape});
-    }
-  }
+  const std::vector<OracleFace> faces = golden::faces_of_scene(config, scene);
   return oracle_named(oracle).visible({config, scene, faces});
 }
 
