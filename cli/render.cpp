@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/bands.hpp"
 #include "cli/commands.hpp"
 #include "cli/model_options.hpp"
 #include "cli/progress.hpp"
@@ -20,6 +21,7 @@
 #include "cli/scene_options.hpp"
 #include "cli/turntable.hpp"
 #include "config/store.hpp"
+#include "engine/bands.hpp"
 #include "engine/range.hpp"
 #include "engine/registry.hpp"
 #include "golden/oracle.hpp"
@@ -29,6 +31,7 @@
 #include "model/numeric/register.hpp"
 #include "model/paths.hpp"
 #include "model/stages/texel.hpp"
+#include "report/bands.hpp"
 #include "report/dump.hpp"
 #include "report/edges.hpp"
 #include "report/lockstep.hpp"
@@ -56,6 +59,7 @@ struct RenderArguments {
   std::optional<std::string> stereo_by, stereo_zero;
   std::optional<double> parallax;
   std::optional<int> turntable;  // pictures of a turn
+  std::string bands;             // rows of each; empty: the whole picture at once
   ModelFlags model;
   SceneOptions view;
 };
@@ -147,10 +151,11 @@ std::optional<Stereo> stereo_of(const RenderArguments& o) {
                     "one of them",
                     *o.view.projection));
   }
-  if (o.output.empty() || !o.dump.empty() || !o.emit_tri.empty() || o.statistics || o.view.supersample > 1) {
+  if (o.output.empty() || !o.dump.empty() || !o.emit_tri.empty() || o.statistics || o.view.supersample > 1 ||
+      !o.bands.empty()) {
     throw InputError(
-        "--stereo: makes a picture alone; expected -o PICTURE.png without --dump, --emit-tri, --statistics "
-        "and --supersample");
+        "--stereo: makes a picture alone; expected -o PICTURE.png without --dump, --emit-tri, --statistics, "
+        "--supersample and --bands");
   }
   return out;
 }
@@ -229,10 +234,10 @@ int render_oracle(const RenderArguments& o) {
     throw InputError(fmt::format("--engine: '{}' is no oracle; legal: {}", name, oracle_names(", ", true)));
   }
   if (o.output.empty() || !o.dump.empty() || o.position || !o.emit_tri.empty() || o.plain_textures ||
-      o.statistics || stereo_of(o) || o.view.supersample > 1) {
+      o.statistics || stereo_of(o) || o.view.supersample > 1 || !o.bands.empty()) {
     throw InputError(
         "--engine: an oracle makes a picture alone; expected -o PICTURE.png without --dump, --emit-tri, "
-        "--statistics, --stereo and --supersample");
+        "--statistics, --stereo, --supersample and --bands");
   }
   refuse_without_model(o.model, false);
   const Config config = with_lines(find_config(o.config), o.view);
@@ -252,6 +257,28 @@ int render_oracle(const RenderArguments& o) {
              scene.height, scene.triangles.size(), seen, config.name, config_hash(config), o.engine);
   fmt::print("{}{}", undrawn_note(visibility.vanishing()), faces_line(loaded));
   return exit_held;
+}
+
+// A picture, and what it is made of.
+struct Drawn {
+  Frame frame;
+  Counters counters;
+};
+
+// The scene of a source, which is whole, in bands of so many rows; the report has no comparison.
+Drawn draw_bands(std::unique_ptr<Engine> engine, SceneSource& source, const Config& config, int rows,
+                 BandReport& report, std::chrono::duration<double>& seconds) {
+  const Scene& scene = *pieces_in_range(source, config)();
+  Progress progress(scene.name);
+  BandedEngine banded(std::move(engine), config);
+  const int bands = number_of_bands(banded_plan(scene).height, rows);
+  const auto start = std::chrono::steady_clock::now();
+  BandedRun run = run_in_bands(banded, scene, rows, [&](int b) {
+    progress.update(static_cast<std::size_t>(b) + 1, static_cast<std::size_t>(bands));
+  });
+  seconds = std::chrono::steady_clock::now() - start;
+  report = figures_of_bands(config, rows, run);
+  return {std::move(run.picture), run.counters};
 }
 
 int render(const RenderArguments& o) {
@@ -281,6 +308,17 @@ int render(const RenderArguments& o) {
   if (o.statistics && o.output.empty() && o.dump.empty()) {
     throw InputError("--statistics: of a drawn picture; give -o PICTURE.png or --dump DIR too");
   }
+  const std::vector<int> bands = o.bands.empty() ? std::vector<int>{} : parse_bands(o.bands);
+  if (!bands.empty()) {
+    if (bands.size() > 1) {
+      throw InputError("--bands: one picture has bands of one height; expected one number of rows");
+    }
+    check_band_engine(names[0]);
+    if (o.statistics || (o.output.empty() && o.dump.empty())) {
+      throw InputError(
+          "--bands: of a drawn picture; expected -o PICTURE.png or --dump DIR, without --statistics");
+    }
+  }
   const bool is_model = names[0] == "model";
   refuse_without_model(o.model, is_model);
   if (o.statistics && o.model.given()) {
@@ -294,16 +332,21 @@ int render(const RenderArguments& o) {
   check_writable(o.emit_tri);
   check_dump(o.dump);
   if (stereo) return render_stereo(o, *stereo, config, view, names[0], how);
-  // What is emitted is wanted whole.
-  SceneSource source =
-      o.emit_tri.empty() ? open_scene(o.scene, view) : SceneSource(load_scene(o.scene, view));
+  // What is emitted is wanted whole, and what is drawn several times.
+  SceneSource source = o.emit_tri.empty() && bands.empty() ? open_scene(o.scene, view)
+                                                           : SceneSource(load_scene(o.scene, view));
   const Scene& scene = source.scene();
+  if (!bands.empty()) check_bands(bands[0], scene);
   if (!o.output.empty() || !o.dump.empty()) {
     const auto observed = o.statistics ? make_observed_model(config) : nullptr;
-    const auto unobserved = o.statistics ? nullptr : make_engine(names[0], config, how);
+    auto unobserved = o.statistics ? nullptr : make_engine(names[0], config, how);
     Engine* engine = o.statistics ? observed.get() : unobserved.get();
     std::chrono::duration<double> drawing{};
-    {
+    std::optional<Drawn> in_bands;
+    BandReport report;
+    if (!bands.empty()) {
+      in_bands = draw_bands(std::move(unobserved), source, config, bands[0], report, drawing);
+    } else {
       Progress progress(scene.name);
       const auto next = pieces_in_range(source, config);
       const Scene* piece = next();
@@ -326,10 +369,11 @@ int render(const RenderArguments& o) {
         start = std::chrono::steady_clock::now();
       }
     }
-    const Frame& frame = engine->frame();
+    const Frame& frame = in_bands ? in_bands->frame : engine->frame();
+    const Counters& c = in_bands ? in_bands->counters : engine->counters();
     const int k = o.view.supersample;
     const std::vector<std::uint8_t> resolved =
-        k > 1 ? resolved_picture(*engine, config, k) : std::vector<std::uint8_t>{};
+        k > 1 ? resolved_picture(names[0], frame, config, k) : std::vector<std::uint8_t>{};
     if (!o.output.empty()) {
       write_png(o.output, frame.width / k, frame.height / k, 4, k > 1 ? resolved : frame.color);
     }
@@ -348,15 +392,15 @@ int render(const RenderArguments& o) {
                                      vectors ? std::string(model::to_string(target)) : "",
                                      o.statistics ? 1 : how.threads};
       }
-      write_dump(o.dump, frame, engine->counters(), config, info);
+      write_dump(o.dump, frame, c, config, info);
     }
-    const Counters& c = engine->counters();
     const std::string averaged =
         k > 1 ? fmt::format(" averaged to {}x{}", frame.width / k, frame.height / k) : "";
     fmt::print("{}: {}x{}{}, {} triangles, {} fragments, {} written, {} ({}), {}\n", scene.name, frame.width,
                frame.height, averaged, c.triangles, c.fragments, c.written, config.name, config_hash(config),
                names[0]);
     fmt::print("{}", faces_line(source.loaded()));
+    if (in_bands) fmt::print("\n{}", bands_text({&report, 1}));
     if (o.statistics) {
       fmt::print("{}", statistics_text(config, observed->statistics()));
     }
@@ -424,6 +468,10 @@ void add_render(CLI::App& app, Action& action) {
   sub->add_option("--turntable", o->turntable,
                   "mesh: N pictures of a full turn about the vertical, by the unit rotate: PICTURE-0.png ...")
       ->check(CLI::Range(1, turn_pictures_limit));
+  sub->add_option(
+         "--bands", o->bands,
+         "draw the picture in bands of so many rows, down to 1, and tell what that saves and repeats")
+      ->type_name("ROWS");
   add_model_options(*sub, o->model, "0");
   add_scene_options(*sub, o->view);
   add_supersample(*sub, o->view);
@@ -431,6 +479,7 @@ void add_render(CLI::App& app, Action& action) {
                           "no face of a mesh is drawn (--allow-empty accepts this)",
                           "bitspan render demo -o demo.png --config narrow --dump demo.dump --position\n"
                           "  bitspan render floor -o floor.png --supersample 4\n"
+                          "  bitspan render demo -o demo.png --bands 16\n"
                           "  bitspan render sea.tri -o sea.png --frame 1\n"
                           "  bitspan render spot.obj -o spot.png --engine oracle:painter\n"
                           "  bitspan render spot.obj -o spot.png --stereo anaglyph --parallax 12\n"

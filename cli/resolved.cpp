@@ -13,15 +13,19 @@
 namespace bitspan {
 
 std::vector<std::uint8_t> resolved_picture(const Engine& engine, const Config& config, int k) {
-  const Frame& frame = engine.frame();
+  return resolved_picture(engine.name(), engine.frame(), config, k);
+}
+
+std::vector<std::uint8_t> resolved_picture(std::string_view engine, const Frame& frame, const Config& config,
+                                           int k) {
   const int width = frame.width / k;
   const int height = frame.height / k;
-  if (!find_engine(engine.name()).compared) {
+  if (!find_engine(engine).compared) {
     const Format nearest{8, 8, false, Rounding::rnd, Overflow::sat, false};
     return golden::resolve_samples(frame.color, width, height, k, nearest);
   }
   const Format& format = config.format(FormatId::merge_color);
-  if (engine.name() == "golden") return golden::resolve_samples(frame.color, width, height, k, format);
+  if (engine == "golden") return golden::resolve_samples(frame.color, width, height, k, format);
   return model::resolve_samples(frame.color, width, height, k, format);
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "config/config.hpp"
@@ -17,6 +18,9 @@ namespace bitspan {
 // of their own; the engines behind the model take the model's. The mean of `ideal` is rounded to the nearest
 // code.
 std::vector<std::uint8_t> resolved_picture(const Engine& engine, const Config& config, int k);
+// The same of a picture that the engine of that name has drawn.
+std::vector<std::uint8_t> resolved_picture(std::string_view engine, const Frame& frame, const Config& config,
+                                           int k);
 
 struct ResolvedComparison {
   StageCount count;

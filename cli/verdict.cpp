@@ -2,12 +2,14 @@
 #include "cli/verdict.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <utility>
 
+#include "cli/bands.hpp"
 #include "cli/cycles.hpp"
 #include "cli/failing_case.hpp"
 #include "cli/progress.hpp"
@@ -59,6 +61,9 @@ void judge_differences(SceneVerdict& v) {
     v.failures.push_back(fmt::format("oracle {} against {}: {} {} are unexplained; the first: {}",
                                      oracle.oracle, oracle.engine, oracle.unexplained, oracle.unit,
                                      oracle.first));
+  }
+  for (const BandReport& report : v.bands) {
+    v.failures.insert(v.failures.end(), report.failures.begin(), report.failures.end());
   }
   if (v.cycles && v.cycles->differences > 0) {
     v.failures.push_back(
@@ -222,6 +227,30 @@ void compare_oracles(const VerifyOptions& options, const Scene& scene, const Eng
   }
 }
 
+// Of the engines of a verdict that have bands; digest: of the first engine's records.
+void compare_in_bands(const VerifyOptions& options, const Scene& scene, const Engine& first,
+                      const RecordDigest& digest, SceneVerdict& v) {
+  std::vector<std::string> names;
+  for (const std::string& name : options.engines) {
+    const EngineEntry& entry = find_engine(name);
+    if (!entry.compared || !entry.runs(v.config)) continue;
+    if (entry.has_bands) {
+      names.push_back(name);
+    } else {
+      v.left_out.push_back(fmt::format("{} left out of the bands: it draws whole pictures", name));
+    }
+  }
+  Progress progress(scene.name + " in bands");
+  for (const int rows : options.bands) {
+    const int bands = number_of_bands(banded_plan(scene).height, rows);
+    std::vector<std::unique_ptr<Engine>> engines;
+    for (const std::string& name : names) engines.push_back(make_engine(name, v.config, options.engine));
+    v.bands.push_back(compare_bands(
+        std::move(engines), v.config, scene, rows, {first.frame(), first.counters(), digest},
+        [&](int b) { progress.update(static_cast<std::size_t>(b) + 1, static_cast<std::size_t>(bands)); }));
+  }
+}
+
 std::string error_number(double x) { return fmt::format("{:.4g}", x); }
 
 // A design whose assertions fail at reset is a failed check and no internal error: null then, and the failure
@@ -278,9 +307,10 @@ std::string_view SceneVerdict::outcome() const {
 }
 
 bool needs_whole_scene(const VerifyOptions& options) {
-  return !options.oracles.empty() || std::ranges::any_of(options.engines, [](const std::string& name) {
-    return name == "rtl" || !find_engine(name).compared;
-  });
+  return !options.oracles.empty() || !options.bands.empty() ||
+         std::ranges::any_of(options.engines, [](const std::string& name) {
+           return name == "rtl" || !find_engine(name).compared;
+         });
 }
 
 SceneRun verify_scene(const Config& config, SceneSource& source, const VerifyOptions& options,
@@ -298,6 +328,7 @@ SceneRun verify_scene(const Config& config, SceneSource& source, const VerifyOpt
     judge_emptiness(v, options);
     return out;
   }
+  for (const int rows : options.bands) check_bands(rows, scene);
   // The first piece's range is looked at before an engine is built.
   const auto in_range = pieces_in_range(source, config);
   const Scene* first = in_range();
@@ -333,9 +364,12 @@ SceneRun verify_scene(const Config& config, SceneSource& source, const VerifyOpt
   steps.progress = [&](std::size_t done) { progress.update(done, scene.triangles.size()); };
   // The closed form of errors knows one view.
   const bool has_errors = out.ideal != nullptr && !changes_scene(scene.commands);
-  if (out.ideal) {
-    out.ideal->begin(scene);
+  RecordDigest digest;
+  if (out.ideal) out.ideal->begin(scene);
+  if (out.ideal || !options.bands.empty()) {
     steps.observe = [&](const Batch& batch, const Trace& trace) {
+      if (!options.bands.empty()) digest.add(trace);
+      if (!out.ideal) return;
       if (has_errors) meter.add(batch.triangles(), batch.first_index, trace);
       draw_batch(*out.ideal, batch, nullptr);
     };
@@ -369,6 +403,9 @@ SceneRun verify_scene(const Config& config, SceneSource& source, const VerifyOpt
     v.chain = compare_chain(config, scene, options.engine.stall_seed);
   }
   if (!v.run.stopped) compare_oracles(options, scene, *out.engines[0], v);
+  if (!options.bands.empty() && !v.run.stopped) {
+    compare_in_bands(options, scene, *out.engines[0], digest, v);
+  }
   judge_differences(v);
   judge_emptiness(v, options);
   return out;
@@ -462,6 +499,11 @@ std::vector<std::string> verdict_lines(const SceneVerdict& v) {
   for (const VisibilityReport& oracle : v.oracles) {
     lines.push_back("oracle " + visibility_text(oracle));
   }
+  for (const BandReport& report : v.bands) {
+    lines.push_back(fmt::format("{}, {}: {} records with hash {:016x}, {}", bands_name(report.rows),
+                                fmt::join(report.engines, " = "), report.records, report.hash,
+                                report.held() ? "all as of the whole picture" : "FAILED"));
+  }
   for (const std::string& note : v.notes) {
     lines.push_back("note: " + note);
   }
@@ -476,6 +518,9 @@ std::string verdict_text(const SceneVerdict& v) {
   }
   if (v.has_errors) {
     out += "error against ideal\n" + text_table(error_table(v.errors)) + "\n";
+  }
+  if (!v.bands.empty()) {
+    out += fmt::format("in bands\n{}\n", bands_text(v.bands));
   }
   for (const std::string& line : verdict_lines(v)) {
     out += line + "\n";
@@ -545,6 +590,13 @@ void append_junit(const SceneVerdict& v, std::vector<JunitCase>& cases) {
     if (!oracle.held()) one.details = visibility_text(oracle) + "\n" + oracle.first + "\n";
     cases.push_back(std::move(one));
   }
+  for (const BandReport& report : v.bands) {
+    JunitCase one;
+    one.class_name = class_name;
+    one.name = bands_name(report.rows);
+    if (!report.held()) one.failure = report.failures.front();
+    cases.push_back(std::move(one));
+  }
   for (const std::string& text : v.oracles_left_out) {
     JunitCase one;
     one.class_name = class_name;
@@ -563,6 +615,30 @@ void append_junit(const SceneVerdict& v, std::vector<JunitCase>& cases) {
   if (v.held() && !v.compared()) verdict.skipped = v.outcome();
   cases.push_back(std::move(verdict));
 }
+
+namespace {
+
+nlohmann::ordered_json bands_json(const BandReport& report) {
+  return {{"rows", report.rows},
+          {"bands", report.bands},
+          {"held", report.held()},
+          {"engines", report.engines},
+          {"records", report.records},
+          {"hash", fmt::format("{:016x}", report.hash)},
+          {"bits_per_pixel",
+           {{"depth", report.bits.depth},
+            {"color", report.bits.color},
+            {"stencil", report.bits.stencil},
+            {"candidate", report.bits.candidate}}},
+          {"bytes", report.bytes},
+          {"set_up", report.work.set_up},
+          {"set_up_again", report.work.set_up_again},
+          {"set_up_unsorted", report.work.unsorted},
+          {"rows_above", report.work.rows_above},
+          {"fragments_again", report.work.fragments_again}};
+}
+
+}  // namespace
 
 std::string verdict_json(std::span<const SceneVerdict> verdicts, const std::string& version) {
   using Json = nlohmann::ordered_json;
@@ -680,6 +756,9 @@ std::string verdict_json(std::span<const SceneVerdict> verdicts, const std::stri
                                   {"background", oracle.background},
                                   {"first", oracle.first},
                                   {"counts", std::move(counts)}});
+    }
+    for (const BandReport& report : v.bands) {
+      scene["bands"].push_back(bands_json(report));
     }
     if (!v.oracles_left_out.empty()) scene["oracles_left_out"] = v.oracles_left_out;
     scenes.push_back(std::move(scene));

@@ -14,6 +14,7 @@
 #include "cli/resolved.hpp"
 #include "cli/scene_options.hpp"
 #include "engine/registry.hpp"
+#include "report/bands.hpp"
 #include "report/compare.hpp"
 #include "report/describe.hpp"
 #include "report/error.hpp"
@@ -58,6 +59,7 @@ struct SceneVerdict {
   std::optional<CycleVerdict> cycles;
   std::vector<ChainVerdict> chain;            // one per memory
   std::vector<VisibilityReport> oracles;      // against the first engine; those of edges against rays
+  std::vector<BandReport> bands;              // one per height
   std::optional<ProjectReport> faces;         // of a mesh
   std::vector<std::string> left_out;          // one line per engine that was asked for and does not run this
   std::vector<std::string> oracles_left_out;  // one line per oracle that does not draw this
@@ -83,11 +85,13 @@ struct VerifyOptions {
   bool cycles = true;
   std::vector<const Oracle*> oracles{};  // whose pictures the first engine's is compared with
   bool oracles_named = true;             // one by one, and not all: leaving one out is a failure
+  std::vector<int> bands{};              // heights in rows, in which the scene is drawn, too
   int supersample = 1;                   // the scene has that many samples per pixel, each way
   EngineOptions engine;
 };
 
-// Errors are of pixels and the triangles behind them, and clocks and oracles of all triangles at once.
+// Errors are of pixels and the triangles behind them, clocks and oracles of all triangles at once, and bands
+// are drawn one after the other.
 bool needs_whole_scene(const VerifyOptions& options);
 
 struct SceneRun {
@@ -100,7 +104,8 @@ struct SceneRun {
 bool coverage_is_exact(const Config& config);
 
 // Runs and judges. Fails where a value differs, where the cycles do, and where coverage that is exact by
-// configuration differs from the exact test, and where a pixel differs from an oracle's, unexplained. Fails
+// configuration differs from the exact test, and where a pixel differs from an oracle's, unexplained, and
+// where bands have another picture, records or counters than the whole. Fails
 // too where the verdict would be empty: neither a pair of engines nor an oracle of the truth, an engine or an
 // oracle named that does not run the configuration, a pair without non-trivial values, a scene that covers no
 // pixel, a stage that no pixel reaches. Throws InputError for bad input.

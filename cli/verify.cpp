@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/bands.hpp"
 #include "cli/commands.hpp"
 #include "cli/model_options.hpp"
 #include "cli/scene_options.hpp"
@@ -30,6 +31,7 @@ struct VerifyArguments {
   std::string junit, json;
   std::string suite, out = ".";
   std::string oracles, oracle_maps;
+  std::string bands;
   bool list = false;
   std::uint64_t seed = 1;
   bool engines_named = false;  // by the user
@@ -63,6 +65,12 @@ int verify(const VerifyArguments& o) {
   refuse_without_model(o.model, std::ranges::count(options.engines, "model") != 0);
   if (!o.oracles.empty()) options.oracles = parse_oracles(o.oracles);
   options.oracles_named = o.oracles != "all";
+  if (!o.bands.empty()) {
+    options.bands = parse_bands(o.bands);
+    const bool any = std::ranges::any_of(options.engines,
+                                         [](const std::string& name) { return find_engine(name).has_bands; });
+    if (!any) throw InputError("--bands: no engine of --engines draws bands; expected golden or model");
+  }
   if (!o.oracle_maps.empty()) {
     if (options.oracles.empty()) throw InputError("--oracle-maps: goes with --oracles");
     make_writable_folder(o.oracle_maps);
@@ -80,9 +88,10 @@ int verify(const VerifyArguments& o) {
           scene, fmt::format("{}bitspan verify {} --config {}{}{} --seed {}{}{}{}{}", command_environment(),
                              shell_word(scene), shell_word(o.config),
                              o.engines_named ? " --engines " + o.engines : "",
-                             o.oracles.empty() ? "" : " --oracles " + o.oracles, o.seed,
-                             o.allow_missing ? " --allow-missing" : "", o.no_cycles ? " --no-cycles" : "",
-                             flags_text(o.model), flags_text(o.view))};
+                             (o.oracles.empty() ? "" : " --oracles " + o.oracles) +
+                                 (o.bands.empty() ? "" : " --bands " + o.bands),
+                             o.seed, o.allow_missing ? " --allow-missing" : "",
+                             o.no_cycles ? " --no-cycles" : "", flags_text(o.model), flags_text(o.view))};
       SceneRun run = verify_scene(config, source, options, label);
       fmt::print("{}{}", verdicts.empty() ? "" : "\n", verdict_text(run.verdict));
       std::fflush(stdout);
@@ -156,6 +165,11 @@ void add_verify(CLI::App& app, Action& action) {
                       known);
   sub->add_option("--oracle-maps", o->oracle_maps,
                   "with --oracles: folder for a map per oracle: equal, tie, unexplained");
+  sub->add_option(
+         "--bands", o->bands,
+         "draw the scene in bands of so many rows, too, by golden and model: N, or N,N...; each must "
+         "have the records, picture and counters of the whole")
+      ->type_name("ROWS");
   sub->add_option("--junit", o->junit, "write JUnit XML");
   sub->add_option("--json", o->json, "write the verdict as JSON");
   sub->add_option("--seed", o->seed, "of the random stalls of rtl, and of the streams of suites")
@@ -179,6 +193,7 @@ void add_verify(CLI::App& app, Action& action) {
                   "  bitspan verify --suite 'depth.*/delta_f/64x48'\n"
                   "  bitspan verify --suite '*' --list\n"
                   "  bitspan verify spot.obj --oracles all --oracle-maps maps\n"
+                  "  bitspan verify demo --engines golden,model --bands 480,16,1\n"
                   "  bitspan verify floor --size 64x48 --supersample 4 --engines golden,model"));
   sub->callback([o, sub, &action] {
     o->engines_named = sub->count("--engines") > 0;

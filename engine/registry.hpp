@@ -60,6 +60,8 @@ struct EngineEntry {
   std::function<std::string(const Config&)> design{};
   // A design of the user's: nobody's clocks are compared with its own.
   bool users_design = false;
+  // Whether it draws bands of a picture: it is a BandEngine (engine/bands.hpp).
+  bool has_bands = false;
   // The one configuration that it is for; null: whatever `runs` says.
   std::shared_ptr<const Config> only{};
 };

@@ -51,14 +51,14 @@ class EdgeWalker {
     }
   }
 
-  void operator()(const SetupRecord& triangle, std::span<const EdgeRecord> records,
-                  std::span<const SetupChannelRecord> channels, std::vector<RowRecord>& rows,
-                  std::vector<RowChannelRecord>& row_channels) const {
+  std::int64_t operator()(const SetupRecord& triangle, std::span<const EdgeRecord> records,
+                          std::span<const SetupChannelRecord> channels, const RowRange& drawn,
+                          std::vector<RowRecord>& rows, std::vector<RowChannelRecord>& row_channels) const {
     const std::array<VertexValues<Real>, 3> v = vertex_.load(triangle, channels);
     const std::int64_t first = first_row(v[0].y);
     const Whole<Real> end = whole_of(v[2].y);
     const std::int64_t last = std::min<std::int64_t>(height_ - 1, to_integer(last_before(end)));
-    if (first > last) return;
+    if (first > last || last < drawn.first) return 0;
 
     std::array<Edge<Real>, 3> edges;
     std::array<bool, 3> has_height{};
@@ -70,7 +70,7 @@ class EdgeWalker {
       start[i] = first_row(edges[i].from.y);
     }
     const std::int64_t second = has_height[2] ? start[2] : last + 1;  // edge 2 takes over from edge 1 here
-    for (std::int64_t y = first; y <= last; ++y) {
+    for (std::int64_t y = first; y <= last && y < drawn.end; ++y) {
       Edge<Real>& other = edges[y >= second ? 2 : 1];
       for (Edge<Real>* edge : {&edges[0], &other}) {
         if (y == start[static_cast<std::size_t>(edge->number)]) {
@@ -79,10 +79,12 @@ class EdgeWalker {
           step(*edge, y);
         }
       }
+      if (y < drawn.first) continue;
       const bool edge0_left = triangle.mid_right == 1;
       row(triangle.triangle, y, edge0_left ? edges[0] : other, edge0_left ? other : edges[0], rows,
           row_channels);
     }
+    return std::max<std::int64_t>(0, drawn.first - first);
   }
 
  private:

@@ -6,17 +6,19 @@
 #include <span>
 #include <vector>
 
+#include "engine/bands.hpp"
 #include "engine/records.hpp"
 #include "golden/arithmetic.hpp"
 #include "golden/constants.hpp"
 
 namespace bitspan::golden {
 
-// Takes a triangle, its edges that have height, and its channels; appends the rows, and their channels where
-// edges carry values.
-using EdgeWalkStage =
-    std::function<void(const SetupRecord&, std::span<const EdgeRecord>, std::span<const SetupChannelRecord>,
-                       std::vector<RowRecord>&, std::vector<RowChannelRecord>&)>;
+// Takes a triangle, its edges that have height, its channels, and the rows that are drawn; appends these
+// rows, and their channels where edges carry values. Returns how many rows above them the edges are walked
+// over.
+using EdgeWalkStage = std::function<std::int64_t(const SetupRecord&, std::span<const EdgeRecord>,
+                                                 std::span<const SetupChannelRecord>, const RowRange&,
+                                                 std::vector<RowRecord>&, std::vector<RowChannelRecord>&)>;
 EdgeWalkStage make_edge_walk(Arithmetic arithmetic, const Config& config, const Constants& constants,
                              int width, int height);
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "config/modes.hpp"
+#include "engine/bands.hpp"
 #include "engine/drawn_scene.hpp"
 #include "engine/rows.hpp"
 #include "golden/candidate.hpp"
@@ -51,7 +52,7 @@ constexpr std::array<std::pair<LineId, FieldOf<FragmentRecord>>, 5> replaced_fie
     {LineId::shade_a, &FragmentRecord::a},
 }};
 
-class GoldenEngine final : public Engine, public RowEngine {
+class GoldenEngine final : public Engine, public RowEngine, public BandEngine {
  public:
   GoldenEngine(const Config& config, Precision precision, bool checked)
       : config_(config), checked_(checked), precision_(std::move(precision)) {
@@ -66,26 +67,24 @@ class GoldenEngine final : public Engine, public RowEngine {
   const Counters& counters() const override { return counters_; }
 
   void begin(const Scene& scene) override {
-    scene_.begin(scene);
-    prepare_view();
-    levels_ = scene_levels(config_, scene);
-    uv_ulp_ = std::ldexp(1.0, -config_.format(FormatId::span_uv).fraction());
-
-    state_ = first_state(config_);
-    back_ = false;
-    counters_ = {};
-    targets_ = {};
-    clear_target();
+    band_.reset();
+    start(scene);
   }
 
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
-    Trace& out = begin_batch(trace);
-    std::int64_t index = first_index;
-    for (const Triangle& triangle : triangles) {
-      draw_one(triangle, index++, out);
-      unkept_.clear();
-    }
+    again_ = false;
+    draw_all(triangles, first_index, trace);
   }
+
+  void begin_band(const Scene& scene, const Band& band) override {
+    band_ = band;
+    start(scene);
+  }
+  void draw_again(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
+    again_ = true;
+    draw_all(triangles, first_index, trace);
+  }
+  std::uint64_t rows_above() const override { return rows_above_; }
 
   void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) override {
     std::visit([&](const auto& what) { run(what, next_index, trace); }, command.what);
@@ -97,6 +96,7 @@ class GoldenEngine final : public Engine, public RowEngine {
   }
   void draw_row(const AnyRow& any, std::size_t plane_row, int texture, Trace* trace) override {
     check_draws_rows(config_, any);
+    again_ = false;
     Trace& out = begin_batch(trace);
     const std::size_t first_span = out.span.size();
     first_ = out.fragment.size();
@@ -126,6 +126,28 @@ class GoldenEngine final : public Engine, public RowEngine {
   }
 
  private:
+  void start(const Scene& scene) {
+    scene_.begin(scene);
+    prepare_view();
+    levels_ = scene_levels(config_, scene);
+    uv_ulp_ = std::ldexp(1.0, -config_.format(FormatId::span_uv).fraction());
+
+    state_ = first_state(config_);
+    back_ = false;
+    counters_ = {};
+    rows_above_ = 0;
+    targets_ = {};
+    take_rows(targets_.current());
+    clear_target();
+  }
+  void draw_all(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) {
+    Trace& out = begin_batch(trace);
+    std::int64_t index = first_index;
+    for (const Triangle& triangle : triangles) {
+      draw_one(triangle, index++, out);
+      unkept_.clear();
+    }
+  }
   void run(const StateChange& change, std::int64_t next_index, Trace* trace) {
     state_ = changed_state(state_, change, config_, scene_->textures.size());
     make_ready();
@@ -140,14 +162,17 @@ class GoldenEngine final : public Engine, public RowEngine {
     const std::uint64_t before = scene_.version();
     scene_.run(target);
     take_scene(before);
+    take_rows(target.k);
     if (!targets_.select(target.k, frame_)) clear_target();
     make_ready();
   }
   void run(const ViewChange& change, std::int64_t /*next_index*/, Trace* /*trace*/) {
     const std::uint64_t before = scene_.version();
+    const int width = scene_->width;
+    const int height = scene_->height;
     scene_.run(change);
     take_scene(before);
-    if (frame_.width == scene_->width && frame_.height == scene_->height) return;
+    if (scene_->width == width && scene_->height == height) return;
     clear_target();
     make_ready();
   }
@@ -237,14 +262,20 @@ class GoldenEngine final : public Engine, public RowEngine {
       if (scene_.texture_version(i) > since) levels_[i] = mip_levels(scene_->textures[i]);
     }
   }
+  // The rows of target k that are drawn.
+  void take_rows(int k) { rows_ = band_ && band_->target == k ? band_->rows : RowRange{}; }
   void clear_target() {
-    clear_frame(frame_, scene_->width, scene_->height, scene_->background,
+    const RowRange rows = rows_.within(scene_->height);
+    clear_frame(frame_, scene_->width, static_cast<int>(rows.end - rows.first), scene_->background,
                 static_cast<std::uint32_t>(clear_depth(config_)));
+    frame_.first_row = static_cast<int>(rows.first);
   }
   // Of a pixel in the frame's planes.
   std::size_t pixel_at(std::int64_t x, std::int64_t y) const {
     return static_cast<std::size_t>(frame_.grid().place(x, y));
   }
+  // Where events of the triangle under way are counted that it has once, however many bands draw it.
+  Counters& of_triangle() { return again_ ? elsewhere_ : counters_; }
   // Returns where records go.
   Trace& begin_batch(Trace* trace) {
     if (trace != nullptr && !constants_delivered_) {
@@ -268,9 +299,9 @@ class GoldenEngine final : public Engine, public RowEngine {
     return span_setup_(row, channels, out.span_channel);
   }
   SpanRecord span_of(const PlaneRowRecord& row) {
-    ++counters_.rows;
-    ++counters_.divides_row;
-    --counters_.divides_saved;
+    ++of_triangle().rows;
+    ++of_triangle().divides_row;
+    --of_triangle().divides_saved;
     return plane_span_setup_(planes_.plane, row);
   }
 
@@ -280,14 +311,15 @@ class GoldenEngine final : public Engine, public RowEngine {
   std::size_t lines() const { return fixed_lines + constants_.channels.size(); }
 
   void draw_one(const Triangle& triangle, std::int64_t index, Trace& out) {
-    ++counters_.triangles;
+    Counters& once = of_triangle();
+    ++once.triangles;
     channels_.clear();
     const std::optional<SetupRecord> setup = setup_(triangle, index, channels_);
     if (!setup) {
-      ++counters_.degenerate;
+      ++once.degenerate;
       return;
     }
-    out.setup.push_back(*setup);
+    if (!again_) out.setup.push_back(*setup);
     if (triangle.is_line) {
       back_ = false;
       first_ = out.fragment.size();
@@ -297,8 +329,8 @@ class GoldenEngine final : public Engine, public RowEngine {
     }
     if (has_setup_gradients(config_)) {
       gradient_ = gradients_(*setup);
-      out.gradient.push_back(gradient_);
-      if (!by_planes()) counters_.divides_edge += 6;
+      if (!again_) out.gradient.push_back(gradient_);
+      if (!by_planes()) once.divides_edge += 6;
     }
     const Texture* texture = image(triangle.texture);
     back_ = state_.stencil_test && runs_clockwise(config_, triangle);
@@ -318,19 +350,22 @@ class GoldenEngine final : public Engine, public RowEngine {
     const bool by_plane = has_setup_plane(config_);
     const bool shared = shares_reciprocal(config_.edge_slope);
     const std::size_t slopes = (by_plane ? 0 : lines()) + (has_x_step(config_) ? 1 : 0);
-    counters_.divides_edge += static_cast<std::size_t>(edge_count) * (shared && slopes > 0 ? 1 : slopes);
+    of_triangle().divides_edge += static_cast<std::size_t>(edge_count) * (shared && slopes > 0 ? 1 : slopes);
     if (by_plane) {
       setup_record_ = setup;
       plane_ = setup_plane_(setup, channels_);
-      out.setup_plane.push_back(plane_);
-      counters_.divides_edge += shared ? 1 : 2 * lines();
+      if (!again_) out.setup_plane.push_back(plane_);
+      of_triangle().divides_edge += shared ? 1 : 2 * lines();
     }
-    out.setup_channel.insert(out.setup_channel.end(), channels_.begin(), channels_.end());
-    out.edge.insert(out.edge.end(), with_height.begin(), with_height.end());
+    if (!again_) {
+      out.setup_channel.insert(out.setup_channel.end(), channels_.begin(), channels_.end());
+      out.edge.insert(out.edge.end(), with_height.begin(), with_height.end());
+    }
 
     const std::size_t first_row = out.row.size();
     const std::size_t first_row_channel = out.row_channel.size();
-    edge_walk_(setup, with_height, channels_, out.row, out.row_channel);
+    rows_above_ += static_cast<std::uint64_t>(
+        edge_walk_(setup, with_height, channels_, rows_, out.row, out.row_channel));
     std::span<const RowChannelRecord> row_channels = std::span(out.row_channel).subspan(first_row_channel);
     const std::size_t of_row = by_plane ? 0 : channels_.size();
     const std::size_t first_span = out.span.size();
@@ -344,7 +379,8 @@ class GoldenEngine final : public Engine, public RowEngine {
 
   void draw_planes(const SetupRecord& setup, const Texture* texture, Trace& out) {
     plane_walk_(setup, channels_, planes_);
-    counters_.divides_edge += 2 * lines() + 1;  // gradients and k
+    of_triangle().divides_edge += 2 * lines() + 1;  // gradients and k
+    if (again_) return draw_planes_again(texture, out);
     out.setup_channel.insert(out.setup_channel.end(), channels_.begin(), channels_.end());
     out.plane.push_back(planes_.plane);
     out.plane_row.insert(out.plane_row.end(), planes_.rows.begin(), planes_.rows.end());
@@ -352,6 +388,14 @@ class GoldenEngine final : public Engine, public RowEngine {
     for (const PlaneRowRecord& row : planes_.rows) out.span.push_back(span_of(row));
     out.span_channel.insert(out.span_channel.end(), planes_.channels.begin(), planes_.channels.end());
     draw_spans(first_span, {.plane = &planes_.plane, .covered = planes_.covered}, texture, out);
+  }
+
+  // What is once per row another band has delivered.
+  void draw_planes_again(const Texture* texture, Trace& out) {
+    again_spans_.clear();
+    for (const PlaneRowRecord& row : planes_.rows) again_spans_.push_back(span_of(row));
+    draw_spans(again_spans_, planes_.channels, {.plane = &planes_.plane, .covered = planes_.covered}, texture,
+               out);
   }
 
   void draw_line(const SetupRecord& setup, const Texture* texture, Trace& out) {
@@ -370,9 +414,13 @@ class GoldenEngine final : public Engine, public RowEngine {
   // The triangle's spans, those from first_span on, as many at a time as make a batch of fragments.
   void draw_spans(std::size_t first_span, SpanPath path, const Texture* texture, Trace& out) {
     const std::span spans = std::span<const SpanRecord>(out.span).subspan(first_span);
+    const std::size_t of_spans = spans.size() * constants_.channels.size();
+    draw_spans(spans, std::span<const SpanChannelRecord>(out.span_channel).last(of_spans), path, texture,
+               out);
+  }
+  void draw_spans(std::span<const SpanRecord> spans, std::span<const SpanChannelRecord> channels,
+                  SpanPath path, const Texture* texture, Trace& out) {
     const std::size_t of_span = constants_.channels.size();
-    const std::span channels =
-        std::span<const SpanChannelRecord>(out.span_channel).last(spans.size() * of_span);
     std::size_t begin = 0;
     std::size_t count = 0;
     for (std::size_t i = 0; i < spans.size(); ++i) {
@@ -382,7 +430,8 @@ class GoldenEngine final : public Engine, public RowEngine {
       if (path.plane != nullptr) of_batch.covered = path.covered.first(count);
       span_(spans.subspan(begin, i + 1 - begin), channels.subspan(begin * of_span, (i + 1 - begin) * of_span),
             of_batch, out.fragment, out.fragment_channel);
-      counters_.fragments += count;
+      if (path.plane != nullptr && rows_ != RowRange{}) keep_rows_drawn(out);
+      counters_.fragments += out.fragment.size() - first_;
       if (has_pixel_reciprocal(config_.perspective)) counters_.divides_pixel += count;
       if (has_subspans(config_)) {
         // A subspan has one exact fragment; what is behind the last of them is exact.
@@ -402,6 +451,23 @@ class GoldenEngine final : public Engine, public RowEngine {
       begin = i + 1;
       count = 0;
     }
+  }
+
+  // Of the fragments from first_ on those in the rows drawn: a row of const_depth_rows has pixels of several.
+  void keep_rows_drawn(Trace& out) {
+    const std::size_t each = constants_.channels.size();
+    std::size_t kept = 0;
+    for (std::size_t i = 0; first_ + i < out.fragment.size(); ++i) {
+      if (!rows_.has(out.fragment[first_ + i].y)) continue;
+      out.fragment[first_ + kept] = out.fragment[first_ + i];
+      for (std::size_t c = 0; c < each; ++c) {
+        out.fragment_channel[first_channel_ + kept * each + c] =
+            out.fragment_channel[first_channel_ + i * each + c];
+      }
+      ++kept;
+    }
+    out.fragment.resize(first_ + kept);
+    out.fragment_channel.resize(first_channel_ + kept * each);
   }
 
   // Takes the fragments from first_ on to the frame, stage by stage: they are of one triangle, so each lies
@@ -697,6 +763,12 @@ class GoldenEngine final : public Engine, public RowEngine {
   Frame frame_;
   Targets<Frame> targets_;
   Counters counters_;
+  std::optional<Band> band_;  // none: whole pictures
+  RowRange rows_;             // of the target drawn on that are drawn
+  bool again_ = false;        // the triangle under way is another band's, too
+  Counters elsewhere_;        // what that one counts
+  std::uint64_t rows_above_ = 0;
+  std::vector<SpanRecord> again_spans_;  // of the triangle under way, where again_ has planes
   DrawState state_;
   bool back_ = false;  // the triangle is a back face
 };

@@ -14,7 +14,8 @@ const RegisterEngine golden_engine{
      .order = 1,
      .compared = true,
      .runs = any,
-     .make = [](const Config& c, const EngineOptions&) { return make_golden(c); }}};
+     .make = [](const Config& c, const EngineOptions&) { return make_golden(c); },
+     .has_bands = true}};
 const RegisterEngine ideal_engine{
     {.name = "ideal",
      .order = 5,

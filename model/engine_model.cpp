@@ -22,14 +22,17 @@ struct Run : model::SceneRun {
   template <class Watch>
   void begin(const Scene& s, Watch watch) {
     pipeline = model::make_pipeline(config, s, watch);
+    buffers.rows_above = 0;
     SceneRun::begin(s, winners);
   }
 
   template <class Watch>
-  void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace, Watch watch) {
+  void draw(std::span<const Triangle> triangles, std::int64_t first_index, bool again, Trace* trace,
+            Watch watch) {
     need_begun("draw");
     deliver_constants(trace);
-    model::draw_triangles(pipeline, *scene, triangles, first_index, buffers, frame, counters, trace, watch);
+    model::draw_triangles(pipeline, *scene, triangles, first_index, again, buffers, frame, counters, trace,
+                          watch);
   }
 
   Config config;
@@ -37,19 +40,30 @@ struct Run : model::SceneRun {
   model::DrawBuffers buffers;
 };
 
-class Model final : public Engine, public RowEngine {
+class Model final : public Engine, public RowEngine, public BandEngine {
  public:
   Model(const Config& config, bool winners) : run_(config, winners) {}
   std::string_view name() const override { return "model"; }
-  void begin(const Scene& scene) override { run_.begin(scene, NoObserve{}); }
+  void begin(const Scene& scene) override {
+    run_.band.reset();
+    run_.begin(scene, NoObserve{});
+  }
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
-    run_.draw(triangles, first_index, trace, NoObserve{});
+    run_.draw(triangles, first_index, false, trace, NoObserve{});
   }
   void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) override {
     run_.execute(run_.config, command, next_index, trace);
   }
   const Frame& frame() const override { return run_.frame; }
   const Counters& counters() const override { return run_.counters; }
+  void begin_band(const Scene& scene, const Band& band) override {
+    run_.band = band;
+    run_.begin(scene, NoObserve{});
+  }
+  void draw_again(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
+    run_.draw(triangles, first_index, true, trace, NoObserve{});
+  }
+  std::uint64_t rows_above() const override { return run_.buffers.rows_above; }
   PlaneOfRows set_plane(const SetupRecord& setup) override {
     plane_rows_ = model::plane_rows(run_.pipeline, setup, run_.buffers.walk);
     return {run_.buffers.walk.geometry.along_y, plane_rows_};
@@ -77,7 +91,7 @@ class ObservedModel final : public ObservedEngine {
     run_.begin(scene, Observe{&statistics_});
   }
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
-    run_.draw(triangles, first_index, trace, Observe{&statistics_});
+    run_.draw(triangles, first_index, false, trace, Observe{&statistics_});
   }
   void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) override {
     run_.execute(run_.config, command, next_index, trace);

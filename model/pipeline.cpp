@@ -291,6 +291,7 @@ void Rows::clear() {
   triangle_planes.clear();
   triangle_channels.clear();
   row_channels.clear();
+  above = 0;
   lines.clear();
 }
 
@@ -310,67 +311,71 @@ void add_line(const Pipeline& pipeline, const SetupRecord& vertices, Rows& out, 
 
 template <class Watch>
 void add_channels(const Pipeline& pipeline, const Triangle& triangle, const SetupRecord& vertices,
-                  const Edges* edges, Rows& out, Counters& counters, Trace* trace, Watch watch) {
+                  const Edges* edges, Rows& out, const OncePerTriangle& once, Watch watch) {
   if (!pipeline.channels.any()) return;
   const TrianglePlane* plane = pipeline.by_plane ? &out.triangle_planes.back() : nullptr;
   out.triangle_channels.push_back(setup_channels(pipeline.channels, triangle, vertices, edges, plane, watch));
   const TriangleChannels& made = out.triangle_channels.back();
-  counters.divides_edge += static_cast<std::uint64_t>(made.divides);
-  deliver_channels(trace, pipeline.channels, made.record);
+  once.counters.divides_edge += static_cast<std::uint64_t>(made.divides);
+  deliver_channels(once.trace, pipeline.channels, made.record);
 }
 
 }  // namespace
 
 template <class Watch>
 bool triangle_to_rows(const Pipeline& pipeline, const Triangle& triangle, std::int64_t index,
-                      PlaneWalkState& walk, Rows& out, Counters& counters, Trace* trace, Watch watch) {
-  ++counters.triangles;
+                      PlaneWalkState& walk, Rows& out, const OncePerTriangle& once, Counters& counters,
+                      Trace* trace, Watch watch) {
+  ++once.counters.triangles;
   SetupRecord vertices;
   if (!setup(pipeline.setup, triangle, index, vertices, watch)) {
-    ++counters.degenerate;
+    ++once.counters.degenerate;
     return false;
   }
-  deliver(trace, vertices);
+  deliver(once.trace, vertices);
   if (triangle.is_line) {
     add_line(pipeline, vertices, out, counters, trace, watch);
     return true;
   }
   if (pipeline.has_gradients) {
     out.gradients.push_back(setup_gradients(pipeline.plane_walk, vertices, watch));
-    deliver(trace, out.gradients.back());
-    if (!pipeline.const_depth_rows) counters.divides_edge += divides_per_gradients;
+    deliver(once.trace, out.gradients.back());
+    if (!pipeline.const_depth_rows) once.counters.divides_edge += divides_per_gradients;
   }
   if (pipeline.const_depth_rows) {
-    add_channels(pipeline, triangle, vertices, nullptr, out, counters, trace, watch);
+    add_channels(pipeline, triangle, vertices, nullptr, out, once, watch);
     start_plane_walk(pipeline.plane_walk, vertices, walk, watch);
-    deliver(trace, walk.record);
+    deliver(once.trace, walk.record);
     const auto plane = static_cast<std::int32_t>(out.planes.size());
     out.planes.push_back(walk.geometry);
-    counters.divides_edge += divides_per_plane;
+    once.counters.divides_edge += divides_per_plane;
     PlaneRowRecord row;
     while (!finished(walk)) {
       if (plane_walk(pipeline.plane_walk, walk, row, watch)) {
         out.plane_rows.push_back(row);
         out.plane_of.push_back(plane);
-        ++counters.rows;
-        --counters.divides_saved;
-        deliver(trace, row);
+        ++once.counters.rows;
+        --once.counters.divides_saved;
+        deliver(once.trace, row);
       }
     }
     return true;
   }
   const Edges edges = setup_edges(pipeline.setup, vertices, watch);
   const auto edge_count = static_cast<std::size_t>(edges.count);
-  counters.divides_edge += edge_count * static_cast<std::size_t>(pipeline.setup.divides_per_edge);
-  deliver_all(trace, std::span(edges.edge).first(edge_count));
+  once.counters.divides_edge += edge_count * static_cast<std::size_t>(pipeline.setup.divides_per_edge);
+  deliver_all(once.trace, std::span(edges.edge).first(edge_count));
   if (pipeline.by_plane) {
     out.triangle_planes.push_back(setup_plane(pipeline.setup_plane, vertices, watch));
-    counters.divides_edge += static_cast<std::uint64_t>(pipeline.setup_plane.divides_per_plane);
-    deliver(trace, out.triangle_planes.back().record);
+    once.counters.divides_edge += static_cast<std::uint64_t>(pipeline.setup_plane.divides_per_plane);
+    deliver(once.trace, out.triangle_planes.back().record);
   }
-  add_channels(pipeline, triangle, vertices, &edges, out, counters, trace, watch);
+  add_channels(pipeline, triangle, vertices, &edges, out, once, watch);
   const bool ends_have_channels = pipeline.channels.any() && !pipeline.by_plane;
   EdgeWalkState state = start_edge_walk(pipeline.edge_walk, vertices, edges);
+  if (state.y_end <= pipeline.rows.first) return true;
+  out.above += pass_rows(pipeline.edge_walk, state, pipeline.rows.first, watch);
+  state.y_end = std::min(state.y_end, pipeline.rows.end);
   RowRecord row;
   while (!finished(state)) {
     if (edge_walk(pipeline.edge_walk, state, row, watch)) {
@@ -537,25 +542,73 @@ void resolve(const Pipeline& pipeline, Frame& frame, Counters& counters, Trace* 
   }
 }
 
+namespace {
+
+// The rows of const_depth_rows in a band: what there is per row is the triangle's, and the fragments are
+// those of the rows drawn.
+template <class Watch>
+void draw_cut_row(const Pipeline& pipeline, std::size_t i, const OncePerTriangle& once, DrawBuffers& buffers,
+                  Counters& counters, Trace* trace, Watch watch) {
+  auto& fragments = buffers.fragments;
+  auto& channels = buffers.channels;
+  const SpanRecord span = row_to_span(pipeline, buffers.rows, i, once.counters, watch);
+  deliver(once.trace, span);
+  Counters elsewhere;
+  span_to_fragments(pipeline, span, geometry_of(buffers.rows, i), fragments, elsewhere, watch);
+  const bool has_channels = pipeline.channels.any();
+  if (has_channels) {
+    Trace all;
+    channels_of_row(pipeline, buffers.rows, i, span, fragments, channels, once.counters, &all, watch);
+    deliver_all(once.trace, all.span_channel);
+  }
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < fragments.size(); ++k) {
+    if (!pipeline.rows.has(fragments[k].y)) continue;
+    fragments[kept] = fragments[k];
+    if (has_channels) {
+      channels[kept] = channels[k];
+      deliver_channels(trace, pipeline.channels, channels[kept]);
+    }
+    deliver(trace, fragments[kept]);
+    const auto covered = fragments[kept].covered;
+    counters.covered += static_cast<std::uint64_t>(covered);
+    counters.divides_saved += covered;
+    ++kept;
+  }
+  counters.fragments += kept;
+  fragments.resize(kept);
+  if (has_channels) channels.resize(kept);
+}
+
+}  // namespace
+
 template <class Watch>
 void draw_triangles(const Pipeline& pipeline, const Scene& scene, std::span<const Triangle> triangles,
-                    std::int64_t first_index, DrawBuffers& buffers, Frame& frame, Counters& counters,
-                    Trace* trace, Watch watch) {
-  auto& [rows, walk, fragments, channels] = buffers;
+                    std::int64_t first_index, bool again, DrawBuffers& buffers, Frame& frame,
+                    Counters& counters, Trace* trace, Watch watch) {
+  auto& [rows, walk, fragments, channels, rows_above] = buffers;
+  Counters elsewhere;
+  const OncePerTriangle once{again ? elsewhere : counters, again ? nullptr : trace};
+  const bool cuts_rows = pipeline.cuts_rows();
   std::int64_t index = first_index;
   for (const Triangle& triangle : triangles) {
     check_triangle(scene, triangle, index);
     rows.clear();
-    triangle_to_rows(pipeline, triangle, index, walk, rows, counters, trace, watch);
+    triangle_to_rows(pipeline, triangle, index, walk, rows, once, counters, trace, watch);
+    rows_above += rows.above;
     const Surface surface = surface_of(pipeline, triangle);
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      const SpanRecord span = row_to_span(pipeline, rows, i, counters, watch);
       fragments.clear();
-      span_to_fragments(pipeline, span, geometry_of(rows, i), fragments, counters, watch);
-      deliver(trace, span);
-      deliver_all(trace, fragments);
-      if (pipeline.channels.any()) {
-        channels_of_row(pipeline, rows, i, span, fragments, channels, counters, trace, watch);
+      if (cuts_rows) {
+        draw_cut_row(pipeline, i, once, buffers, counters, trace, watch);
+      } else {
+        const SpanRecord span = row_to_span(pipeline, rows, i, counters, watch);
+        span_to_fragments(pipeline, span, geometry_of(rows, i), fragments, counters, watch);
+        deliver(trace, span);
+        deliver_all(trace, fragments);
+        if (pipeline.channels.any()) {
+          channels_of_row(pipeline, rows, i, span, fragments, channels, counters, trace, watch);
+        }
       }
       fragments_to_frame(pipeline, scene, fragments, surface, gradient_of(rows, index), frame, counters,
                          trace, watch, channels);
@@ -600,8 +653,10 @@ std::vector<PlaneRowRecord> plane_rows(const Pipeline& pipeline, const SetupReco
 }
 
 void clear_frame(const Pipeline& pipeline, const Scene& scene, bool winners, Frame& frame) {
-  bitspan::clear_frame(frame, scene.width, scene.height, scene.background,
+  const RowRange rows = pipeline.rows.within(scene.height);
+  bitspan::clear_frame(frame, scene.width, static_cast<int>(rows.end - rows.first), scene.background,
                        static_cast<std::uint32_t>(pipeline.depth.clear), winners);
+  frame.first_row = static_cast<int>(rows.first);
 }
 
 Frame cleared_frame(const Pipeline& pipeline, const Scene& scene) {
@@ -611,7 +666,6 @@ Frame cleared_frame(const Pipeline& pipeline, const Scene& scene) {
 }
 
 void resize_frame(const Pipeline& pipeline, const Scene& scene, Frame& frame) {
-  if (frame.width == scene.width && frame.height == scene.height) return;
   clear_frame(pipeline, scene, !frame.u.empty(), frame);
   make_ready(pipeline, frame);
   note_alpha(pipeline, frame);
@@ -634,9 +688,9 @@ template Pipeline make_pipeline(const Config&, const Scene&, Observe);
 template void update_pipeline(Pipeline&, const Config&, const DrawnScene&, std::uint64_t, NoObserve);
 template void update_pipeline(Pipeline&, const Config&, const DrawnScene&, std::uint64_t, Observe);
 template bool triangle_to_rows(const Pipeline&, const Triangle&, std::int64_t, PlaneWalkState&, Rows&,
-                               Counters&, Trace*, NoObserve);
+                               const OncePerTriangle&, Counters&, Trace*, NoObserve);
 template bool triangle_to_rows(const Pipeline&, const Triangle&, std::int64_t, PlaneWalkState&, Rows&,
-                               Counters&, Trace*, Observe);
+                               const OncePerTriangle&, Counters&, Trace*, Observe);
 template SpanRecord row_to_span(const Pipeline&, const Rows&, std::size_t, Counters&, NoObserve);
 template SpanRecord row_to_span(const Pipeline&, const Rows&, std::size_t, Counters&, Observe);
 template void span_to_fragments(const Pipeline&, const SpanRecord&, const PlaneGeometry*,
@@ -665,12 +719,12 @@ template void channels_of_row(const Pipeline&, Rows&, std::size_t, const SpanRec
 template void fragments_to_frame(const Pipeline&, const Scene&, std::span<const FragmentRecord>,
                                  const Surface&, const GradientRecord*, Frame&, Counters&, Trace*, NoObserve,
                                  std::span<const FragmentChannels>);
-template void draw_triangles(const Pipeline&, const Scene&, std::span<const Triangle>, std::int64_t,
+template void draw_triangles(const Pipeline&, const Scene&, std::span<const Triangle>, std::int64_t, bool,
                              DrawBuffers&, Frame&, Counters&, Trace*, NoObserve);
 template void fragments_to_frame(const Pipeline&, const Scene&, std::span<const FragmentRecord>,
                                  const Surface&, const GradientRecord*, Frame&, Counters&, Trace*, Observe,
                                  std::span<const FragmentChannels>);
-template void draw_triangles(const Pipeline&, const Scene&, std::span<const Triangle>, std::int64_t,
+template void draw_triangles(const Pipeline&, const Scene&, std::span<const Triangle>, std::int64_t, bool,
                              DrawBuffers&, Frame&, Counters&, Trace*, Observe);
 
 }  // namespace bitspan::model

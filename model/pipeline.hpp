@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "config/config.hpp"
+#include "engine/bands.hpp"
 #include "engine/drawn_scene.hpp"
 #include "engine/engine.hpp"
 #include "engine/frame.hpp"
@@ -69,6 +70,7 @@ struct Pipeline {
   DrawState state;            // in force; set_state has told the stages
   DrawState first;            // of the scene's start
   bool masks_pixels = false;  // scissor or stipple may keep a pixel of `state` from being drawn
+  RowRange rows;              // of the picture that are drawn; of a band, else all
   // `state` differs from the first one in registers at most that it does not look at.
   bool acts_as_first = true;
 
@@ -79,6 +81,8 @@ struct Pipeline {
   bool draws_in_lanes(const Frame& frame) const { return acts_as_first && frame.full_alpha && is_plain(); }
   // Whether lanes have the stages up to depth; else they begin with texture.
   bool spans_in_lanes() const { return !const_depth_rows && !channels.any(); }
+  // Whether a row of a triangle may leave the rows drawn: one of const_depth_rows has pixels of several.
+  bool cuts_rows() const { return const_depth_rows && rows != RowRange{}; }
 };
 
 // Gives the stages the registers of a draw state; scene: whose textures it names.
@@ -136,16 +140,29 @@ struct Rows {
   // Where channels are in use: one per triangle that has an area, and one per row whose ends carry values.
   std::vector<TriangleChannels> triangle_channels;
   std::vector<RowChannels> row_channels;
+  std::uint64_t above = 0;  // rows above the band that edges were walked over
   std::size_t size() const { return rows.size() + plane_rows.size(); }
   void clear();
 };
 
-// Step one: setup and edge_walk or plane_walk of one triangle. Appends its rows; walk is a buffer to reuse.
-// With a trace, appends the records of setup, setup.edge, edge_walk, plane_walk. False where degenerate.
-// Counts triangles, degenerate, rows, divides_edge, divides_saved.
+// Where what there is once per triangle goes, or once per edge, and in const_depth_rows once per row: in a
+// run of bands that is elsewhere in all of them but one.
+struct OncePerTriangle {
+  Counters& counters;
+  Trace* trace;
+};
+// Step one: setup and edge_walk or plane_walk of one triangle, or line_walk of a line. Appends its rows that
+// are drawn; walk is a buffer to reuse. With a trace, appends records of setup, setup.edge, edge_walk,
+// plane_walk, line_walk. False where degenerate. Counts triangles, degenerate, rows, divides of edges.
 template <class Watch = NoObserve>
 bool triangle_to_rows(const Pipeline& pipeline, const Triangle& triangle, std::int64_t index,
-                      PlaneWalkState& walk, Rows& out, Counters& counters, Trace* trace, Watch watch = {});
+                      PlaneWalkState& walk, Rows& out, const OncePerTriangle& once, Counters& counters,
+                      Trace* trace, Watch watch = {});
+template <class Watch = NoObserve>
+bool triangle_to_rows(const Pipeline& pipeline, const Triangle& triangle, std::int64_t index,
+                      PlaneWalkState& walk, Rows& out, Counters& counters, Trace* trace, Watch watch = {}) {
+  return triangle_to_rows(pipeline, triangle, index, walk, out, {counters, trace}, counters, trace, watch);
+}
 
 // Step two, first half: span_setup of row i. Counts divides_row.
 template <class Watch = NoObserve>
@@ -340,12 +357,12 @@ struct DrawBuffers {
   std::vector<FragmentChannels> channels;
   std::uint64_t rows_above = 0;  // BandEngine::rows_above
 };
-// The three steps for triangles in order, one fragment after another, in any draw state. Throws InputError as
-// check_triangle does.
+// The three steps for triangles in order, one fragment after another, in any draw state. again: as
+// BandEngine::draw_again. Throws InputError as check_triangle does.
 template <class Watch = NoObserve>
 void draw_triangles(const Pipeline& pipeline, const Scene& scene, std::span<const Triangle> triangles,
-                    std::int64_t first_index, DrawBuffers& buffers, Frame& frame, Counters& counters,
-                    Trace* trace, Watch watch = {});
+                    std::int64_t first_index, bool again, DrawBuffers& buffers, Frame& frame,
+                    Counters& counters, Trace* trace, Watch watch = {});
 
 // A row that was made elsewhere, from behind its stage to the frame; geometry: const_depth_rows only, else
 // null. With a trace, appends its record and those behind it. Counts rows, divides_saved, divides_row and
@@ -357,11 +374,11 @@ void row_to_frame(const Pipeline& pipeline, const Scene& scene, const AnyRow& ro
 std::vector<PlaneRowRecord> plane_rows(const Pipeline& pipeline, const SetupRecord& setup,
                                        PlaneWalkState& walk);
 
-// Makes the frame of the scene's size: background, cleared depth buffer, no triangle. winners: with the
-// planes u, v and triangle; else they are empty.
+// Gives the frame the rows of the scene's size that are drawn: background, cleared depth buffer, no triangle.
+// winners: with the planes u, v and triangle; else they are empty.
 void clear_frame(const Pipeline& pipeline, const Scene& scene, bool winners, Frame& frame);
 Frame cleared_frame(const Pipeline& pipeline, const Scene& scene);
-// Gives the frame of the target drawn on the size of the scene's view: cleared where it had another one.
+// Gives the frame of the target drawn on the size of the scene's view, another one than before, cleared.
 void resize_frame(const Pipeline& pipeline, const Scene& scene, Frame& frame);
 // Takes target k in the frame's place, cleared where it has not been drawn on, and with a stencil plane where
 // that is tested. Throws InputError where k is not below target_limit.

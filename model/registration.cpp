@@ -13,7 +13,8 @@ const RegisterEngine model_engine{
      .compared = true,
      .runs = [](const Config&) { return true; },
      .check = [](const EngineOptions& o) { static_cast<void>(model::model_options(o)); },
-     .make = [](const Config& c, const EngineOptions& o) { return make_model(c, model::model_options(o)); }}};
+     .make = [](const Config& c, const EngineOptions& o) { return make_model(c, model::model_options(o)); },
+     .has_bands = true}};
 
 }  // namespace
 }  // namespace bitspan

@@ -12,6 +12,7 @@ void SceneRun::begin(const Scene& s, bool winners) {
   constants_delivered = false;
   set_state(pipeline, s, pipeline.first);
   targets = {};
+  take_rows(targets.current());
   clear_frame(pipeline, s, winners, frame);
 }
 
@@ -47,15 +48,18 @@ void SceneRun::run(const Config& config, const Target& target, std::int64_t /*ne
   const std::uint64_t before = scene.version();
   scene.run(target);
   update(config, before);
+  take_rows(target.k);
   select_target(pipeline, *scene, targets, target.k, frame);
 }
 
 void SceneRun::run(const Config& config, const ViewChange& change, std::int64_t /*next_index*/,
                    Trace* /*trace*/) {
   const std::uint64_t before = scene.version();
+  const int width = scene->width;
+  const int height = scene->height;
   scene.run(change);
   update(config, before);
-  resize_frame(pipeline, *scene, frame);
+  if (scene->width != width || scene->height != height) resize_frame(pipeline, *scene, frame);
 }
 
 void SceneRun::run(const Config& config, const Copy& copy, std::int64_t /*next_index*/, Trace* /*trace*/) {
@@ -74,6 +78,8 @@ void SceneRun::run(const Config& /*config*/, const Resolve& /*resolve*/, std::in
     resolve(pipeline, frame, counters, trace);
   }
 }
+
+void SceneRun::take_rows(int k) { pipeline.rows = band && band->target == k ? band->rows : RowRange{}; }
 
 void SceneRun::update(const Config& config, std::uint64_t since) {
   if (statistics != nullptr) {

@@ -4,7 +4,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
+#include "engine/bands.hpp"
 #include "engine/drawn_scene.hpp"
 #include "engine/engine.hpp"
 #include "model/pipeline.hpp"
@@ -16,11 +18,12 @@ struct SceneRun {
   Pipeline pipeline;
   Frame frame;
   Targets<Frame> targets;
+  std::optional<Band> band;  // none: whole pictures
   Counters counters;
   bool constants_delivered = false;  // once per view
   Statistics* statistics = nullptr;  // of what is computed for a view, where they are wanted
 
-  // After `pipeline` is made for the scene. winners: as for clear_frame.
+  // After `pipeline` is made for the scene; `band` is set. winners: as for clear_frame.
   void begin(const Scene& s, bool winners);
   // Throws std::logic_error before begin(); `call` is its name.
   void need_begun(const char* call) const;
@@ -36,6 +39,8 @@ struct SceneRun {
   void run(const Config& config, const ViewChange& change, std::int64_t next_index, Trace* trace);
   void run(const Config& config, const Copy& copy, std::int64_t next_index, Trace* trace);
   void run(const Config& config, const Resolve& resolve, std::int64_t next_index, Trace* trace);
+  // Tells the pipeline which rows of target k are drawn.
+  void take_rows(int k);
   // Prepares what the scene has become since that version.
   void update(const Config& config, std::uint64_t since);
 };

@@ -46,49 +46,49 @@ bool plainly_good(const Scene& scene, const Triangle& triangle) {
   return good && std::isfinite(sum);
 }
 
-// Bands of rows, from top to bottom, and which triangles of a chunk touch which.
+// Bands of the rows that are drawn, from top to bottom, and which triangles of a chunk touch which. They keep
+// the pixels of a band in a cache; the frame has those of all.
 class Bands {
  public:
-  // coordinate: of the vertices.
-  Bands(const Register& coordinate, std::int64_t height, std::int64_t rows)
-      : height_(height),
-        rows_(rows),
-        margin_(2 + std::ldexp(1.0, -coordinate.fraction)),
-        low_(std::ldexp(static_cast<double>(coordinate.min), -coordinate.fraction)),
-        high_(std::ldexp(static_cast<double>(coordinate.max), -coordinate.fraction)),
-        triangles_(static_cast<std::size_t>((height + rows - 1) / rows)) {}
+  // coordinate: of the vertices; rows: of the picture that are drawn, `each` to a band.
+  Bands(const Register& coordinate, std::int64_t height, const RowRange& rows, std::int64_t each)
+      : rows_(rows.within(height)),
+        each_(each),
+        reach_(coordinate.min, coordinate.max, coordinate.fraction, height),
+        triangles_(std::max<std::size_t>(
+            1, static_cast<std::size_t>((rows_.end - rows_.first + each - 1) / each))) {}
 
   std::size_t size() const { return triangles_.size(); }
   void clear() {
     for (auto& band : triangles_) band.clear();
   }
   void add(const Triangle& t, std::size_t place) {
-    const double low = std::min({t.v[0].y, t.v[1].y, t.v[2].y});
-    const double high = std::max({t.v[0].y, t.v[1].y, t.v[2].y});
-    // A coordinate beyond its format may end anywhere.
-    const bool held = low >= low_ && high <= high_;
-    std::size_t band = held ? band_of(low - margin_) : 0;
-    const std::size_t last = held ? band_of(high + margin_) : triangles_.size() - 1;
+    const RowRange reached = reach_.of(t);
+    std::size_t band = band_of(reached.first);
+    const std::size_t last = band_of(reached.end - 1);
     auto which = static_cast<std::uint32_t>(place);
     for (; band <= last; ++band) {
       triangles_[band].push_back(which);
       which |= TriangleRows::counted;
     }
   }
-  // Returns the rows of band i; `triangles` and `first_index` describe the chunk.
-  TriangleRows rows(std::size_t i, std::span<const Triangle> triangles, std::int64_t first_index) const {
-    const auto first = static_cast<std::int64_t>(i) * rows_;
-    return {triangles.data(), first_index, triangles_[i], first, first + rows_};
+  // Returns the rows of band i; `triangles` and `first_index` describe the chunk, again is as of
+  // TriangleRows.
+  TriangleRows rows(std::size_t i, std::span<const Triangle> triangles, std::int64_t first_index,
+                    bool again) const {
+    const std::int64_t first = rows_.first + static_cast<std::int64_t>(i) * each_;
+    return {triangles.data(), first_index, triangles_[i], first, std::min(first + each_, rows_.end), again};
   }
 
  private:
-  std::size_t band_of(double y) const {
-    return static_cast<std::size_t>(std::clamp(y, 0.0, static_cast<double>(height_ - 1))) /
-           static_cast<std::size_t>(rows_);
+  std::size_t band_of(std::int64_t y) const {
+    return static_cast<std::size_t>(std::clamp(y, rows_.first, std::max(rows_.first, rows_.end - 1)) -
+                                    rows_.first) /
+           static_cast<std::size_t>(each_);
   }
-  std::int64_t height_;
-  std::int64_t rows_;
-  double margin_, low_, high_;
+  RowRange rows_;
+  std::int64_t each_;
+  RowReach reach_;
   std::vector<std::vector<std::uint32_t>> triangles_;
 };
 
@@ -134,7 +134,8 @@ struct Worker final : BlockSink<T> {
 };
 
 std::int64_t band_rows(const Pipeline& pipeline, int threads) {
-  const std::int64_t height = pipeline.edge_walk.height;
+  const RowRange drawn = pipeline.rows.within(pipeline.edge_walk.height);
+  const std::int64_t height = std::max<std::int64_t>(1, drawn.end - drawn.first);
   // The scalar stages walk an edge from its start in every band.
   std::int64_t bands = threads;
   if (triangles_in_lanes(pipeline)) {
@@ -157,8 +158,10 @@ class Drawing {
         spans_(span_kernels<T>(options.target)),
         shade_(shade_kernels<T>(options.target)),
         workers_(static_cast<std::size_t>(options.threads)),
-        bands_(pipeline.setup.coordinate, pipeline.edge_walk.height, band_rows(pipeline, options.threads)),
-        whole_(pipeline.setup.coordinate, pipeline.edge_walk.height, pipeline.edge_walk.height),
+        bands_(pipeline.setup.coordinate, pipeline.edge_walk.height, pipeline.rows,
+               band_rows(pipeline, options.threads)),
+        whole_(pipeline.setup.coordinate, pipeline.edge_walk.height, pipeline.rows,
+               pipeline.edge_walk.height),
         arena_(options.threads) {
     if constexpr (sizeof(T) == sizeof(std::int32_t)) {
       if (specialises && shipped.spans >= 0) {
@@ -173,11 +176,14 @@ class Drawing {
     for (auto& worker : workers_) worker = std::make_unique<Worker<T>>();
   }
 
-  // Triangles that check_triangle accepts, in order; their number is not larger than a chunk.
-  void draw(Way way, std::span<const Triangle> triangles, std::int64_t first_index, Frame& frame,
-            Counters& counters, Trace* trace, Statistics* statistics) {
+  // Triangles that check_triangle accepts, in order; their number is not larger than a chunk. again: as
+  // BandEngine::draw_again. Returns its rows_above of these triangles.
+  std::uint64_t draw(Way way, std::span<const Triangle> triangles, std::int64_t first_index, bool again,
+                     Frame& frame, Counters& counters, Trace* trace, Statistics* statistics) {
     way_ = way;
+    again_ = again;
     for (auto& worker : workers_) {
+      worker->triangles.rows_above = 0;
       worker->gradients = way == Way::any ? &gradients_ : nullptr;
       worker->counters = {};
       worker->pipeline = &pipeline_;
@@ -198,10 +204,15 @@ class Drawing {
       bands.clear();
       for (std::size_t i = 0; i < triangles.size(); ++i) bands.add(triangles[i], i);
       in_parallel(bands.size(), [&](Worker<T>& worker, std::size_t i) {
-        draw_rows(worker, bands.rows(i, triangles, first_index));
+        draw_rows(worker, bands.rows(i, triangles, first_index, again));
       });
     }
-    for (const auto& worker : workers_) counters += worker->counters;
+    std::uint64_t rows_above = 0;
+    for (const auto& worker : workers_) {
+      counters += worker->counters;
+      rows_above += worker->triangles.rows_above;
+    }
+    return rows_above;
   }
 
  private:
@@ -255,7 +266,7 @@ class Drawing {
         continue;
       gradients_.of[i] = setup_gradients(pipeline_.plane_walk, vertices);
       // Where triangles are done one by one, they count their own.
-      if (triangles_in_lanes(pipeline_)) counters.divides_edge += divides_per_gradients;
+      if (triangles_in_lanes(pipeline_) && !again_) counters.divides_edge += divides_per_gradients;
     }
   }
 
@@ -319,7 +330,11 @@ class Drawing {
     FragmentBlock<T>& block = worker.work.block;
     block.size = 0;
     worker.rows.clear();
-    triangle_to_rows(pipeline_, triangle, index, worker.walk, worker.rows, counters, trace, watch);
+    Counters elsewhere;
+    triangle_to_rows(pipeline_, triangle, index, worker.walk, worker.rows,
+                     again_ ? OncePerTriangle{elsewhere, nullptr} : OncePerTriangle{counters, trace},
+                     counters, trace, watch);
+    worker.triangles.rows_above += worker.rows.above;
     const int texture = triangle.texture < 0 ? -1 : triangle.texture;
     const auto flush = [&] {
       if (block.size != 0) worker(block, {texture});
@@ -363,6 +378,7 @@ class Drawing {
   ShadeKernels<T> shade_;
   std::vector<std::unique_ptr<Worker<T>>> workers_;
   Way way_ = Way::plain;         // of the draw under way
+  bool again_ = false;           // the same
   std::vector<SpanDraw> draws_;  // of the chunk
   TriangleGradients gradients_;  // of the chunk, where depth or lod takes them
   Bands bands_;
@@ -397,23 +413,29 @@ class VectorModel {
       check_scene(scene);
     }
     plan_ = prepare_shade(run_.pipeline, config_, scene);
+    buffers_.rows_above = 0;
     run_.begin(scene, options_.winners);
     prepare_drawing();
   }
+  // Of the next begin(); none: whole pictures.
+  void set_band(const std::optional<Band>& band) { run_.band = band; }
+  std::uint64_t rows_above() const { return buffers_.rows_above; }
 
-  void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace,
+  // again: as BandEngine::draw_again.
+  void draw(std::span<const Triangle> triangles, std::int64_t first_index, bool again, Trace* trace,
             Statistics* statistics) {
     run_.need_begun("draw");
     run_.deliver_constants(trace);
     const Way way = find_way(trace != nullptr || statistics != nullptr);
-    if (way == Way::scalar) return draw_scalar(triangles, first_index, trace, statistics);
+    if (way == Way::scalar) return draw_scalar(triangles, first_index, again, trace, statistics);
     select_textures(plan_, run_.pipeline, *run_.scene, triangles);
     if (run_.pipeline.texture_second.is_on()) prepare_second_texture(plan_);
     const auto draw_chunk = [&](std::size_t at, std::size_t n) {
       std::visit(
           [&](auto& drawing) {
-            drawing->draw(way, triangles.subspan(at, n), first_index + static_cast<std::int64_t>(at),
-                          run_.frame, run_.counters, trace, statistics);
+            buffers_.rows_above +=
+                drawing->draw(way, triangles.subspan(at, n), first_index + static_cast<std::int64_t>(at),
+                              again, run_.frame, run_.counters, trace, statistics);
           },
           drawing_);
     };
@@ -429,7 +451,7 @@ class VectorModel {
       if (triangles[at].is_line) {
         const auto lines_end = std::ranges::find(triangles.subspan(at), false, &Triangle::is_line);
         const auto lines = static_cast<std::size_t>(lines_end - triangles.subspan(at).begin());
-        draw_scalar(triangles.subspan(at, lines), first_index + static_cast<std::int64_t>(at), trace,
+        draw_scalar(triangles.subspan(at, lines), first_index + static_cast<std::int64_t>(at), again, trace,
                     statistics);
         at += lines;
         continue;
@@ -443,8 +465,12 @@ class VectorModel {
 
   void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) {
     const std::uint64_t before = run_.scene.version();
+    const RowRange rows = run_.pipeline.rows;
     run_.execute(config_, command, next_index, trace);
-    if (run_.scene.version() == before) return;
+    if (run_.scene.version() == before) {
+      if (run_.pipeline.rows != rows) prepare_drawing();
+      return;
+    }
     key_.reset();  // the pipeline is that of another view
     update_shade(plan_, run_.pipeline, config_, run_.scene, before);
     prepare_drawing();
@@ -466,20 +492,20 @@ class VectorModel {
   const Counters& counters() const { return run_.counters; }
 
  private:
-  void draw_scalar(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace,
+  void draw_scalar(std::span<const Triangle> triangles, std::int64_t first_index, bool again, Trace* trace,
                    Statistics* statistics) {
     if (statistics != nullptr) {
-      draw_triangles(run_.pipeline, *run_.scene, triangles, first_index, buffers_, run_.frame,
+      draw_triangles(run_.pipeline, *run_.scene, triangles, first_index, again, buffers_, run_.frame,
                      run_.counters, trace, Observe{statistics});
     } else {
-      draw_triangles(run_.pipeline, *run_.scene, triangles, first_index, buffers_, run_.frame,
+      draw_triangles(run_.pipeline, *run_.scene, triangles, first_index, again, buffers_, run_.frame,
                      run_.counters, trace);
     }
   }
   // watched: with a trace or observers.
   Way find_way(bool watched) const {
     const Pipeline& p = run_.pipeline;
-    const bool plain = p.draws_in_lanes(run_.frame);
+    const bool plain = p.draws_in_lanes(run_.frame) && !p.cuts_rows();
     if (plain && p.spans_in_lanes()) return Way::plain;
     if (!watched && !p.const_depth_rows && holds_state(plan_, p)) return Way::any;
     return plain ? Way::singly : Way::scalar;
@@ -509,19 +535,30 @@ class VectorModel {
   std::variant<std::unique_ptr<Drawing<std::int32_t>>, std::unique_ptr<Drawing<std::int64_t>>> drawing_;
 };
 
-class VectorEngine final : public Engine, public RowEngine {
+class VectorEngine final : public Engine, public RowEngine, public BandEngine {
  public:
   VectorEngine(const Config& config, const ModelOptions& options) : model_(config, options) {}
   std::string_view name() const override { return "model"; }
-  void begin(const Scene& scene) override { model_.begin(scene, nullptr); }
+  void begin(const Scene& scene) override {
+    model_.set_band({});
+    model_.begin(scene, nullptr);
+  }
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
-    model_.draw(triangles, first_index, trace, nullptr);
+    model_.draw(triangles, first_index, false, trace, nullptr);
   }
   void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) override {
     model_.execute(command, next_index, trace);
   }
   const Frame& frame() const override { return model_.frame(); }
   const Counters& counters() const override { return model_.counters(); }
+  void begin_band(const Scene& scene, const Band& band) override {
+    model_.set_band(band);
+    model_.begin(scene, nullptr);
+  }
+  void draw_again(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
+    model_.draw(triangles, first_index, true, trace, nullptr);
+  }
+  std::uint64_t rows_above() const override { return model_.rows_above(); }
   PlaneOfRows set_plane(const SetupRecord& setup) override { return model_.set_plane(setup); }
   void draw_row(const AnyRow& row, std::size_t /*plane_row*/, int texture, Trace* trace) override {
     model_.draw_row(row, texture, trace);
@@ -540,7 +577,7 @@ class ObservedVectorEngine final : public ObservedEngine {
     model_.begin(scene, &statistics_);
   }
   void draw(std::span<const Triangle> triangles, std::int64_t first_index, Trace* trace) override {
-    model_.draw(triangles, first_index, trace, &statistics_);
+    model_.draw(triangles, first_index, false, trace, &statistics_);
   }
   void execute(const DrawCommand& command, std::int64_t next_index, Trace* trace) override {
     model_.execute(command, next_index, trace);

@@ -62,6 +62,17 @@ bool all_branch_free(const Pipeline& pipeline) {
                      [](const Register* r) { return is_branch_free(*r); });
 }
 
+// Rows of a group's triangles above `to`, of those that have some from there on and are counted here.
+std::uint64_t rows_above(const TriangleRows& from, std::size_t first, std::size_t n,
+                         const TriangleGroup& group, std::int64_t to) {
+  std::int64_t out = 0;
+  for (std::size_t j = 0; j < n; ++j) {
+    const bool counted = (from.which[first + j] & TriangleRows::counted) != 0;
+    if (!counted && group.end[j] > to) out += std::max<std::int64_t>(0, to - group.y[j]);
+  }
+  return static_cast<std::uint64_t>(out);
+}
+
 template <class Observer>
 HWY_NOINLINE std::size_t in_lanes(const Pipeline& pipeline, const TriangleRows& from, TriangleBatch& batch,
                                   Columns<SpanRecord>& spans, Counters& counters, Trace* trace,
@@ -84,6 +95,7 @@ HWY_NOINLINE std::size_t in_lanes(const Pipeline& pipeline, const TriangleRows& 
   for (std::size_t n; first < from.which.size() && all < capacity; first += n) {
     n = std::min(lane_count, from.which.size() - first);
     set_up(stages, adders, from, first, n, group, counters, trace, observer);
+    if (pipeline.rows.first > 0) batch.rows_above += rows_above(from, first, n, group, pipeline.rows.first);
     for (std::size_t j = 0; j < n; ++j) {
       const std::int64_t rows = group.rows[j];
       if (rows <= group.skip[j]) continue;
@@ -126,14 +138,17 @@ std::size_t one_by_one(const Pipeline& pipeline, const TriangleRows& from, Trian
   Rows rows;
   PlaneWalkState walk;
   Counters elsewhere;
+  const OncePerTriangle nowhere{elsewhere, nullptr};
+  const OncePerTriangle here{counters, trace};
   std::size_t at = 0;
   for (const std::size_t had = spans.size;
        at < from.which.size() && spans.size - had < TriangleBatch::row_capacity; ++at) {
     const bool counted = (from.which[at] & TriangleRows::counted) != 0;
     const std::int64_t index = from.first_index + (from.which[at] & ~TriangleRows::counted);
     rows.clear();
-    triangle_to_rows(pipeline, triangle_at(from, at), index, walk, rows, counted ? elsewhere : counters,
-                     trace, watch);
+    triangle_to_rows(pipeline, triangle_at(from, at), index, walk, rows,
+                     counted || from.again ? nowhere : here, counted ? elsewhere : counters, trace, watch);
+    if (!counted) batch.rows_above += rows.above;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const std::int64_t y = rows.rows[i].y;
       if (y < from.first_row || y >= from.end_row) continue;

@@ -25,6 +25,7 @@ struct RowSource {
 // What to_spans needs from call to call.
 struct TriangleBatch {
   static constexpr std::size_t row_capacity = 512;
+  std::uint64_t rows_above = 0;  // BandEngine::rows_above
   Columns<RowRecord> rows{row_capacity};
   Columns<RowSource> sources{row_capacity};
   // Of the channels in use: the accumulators of the rows, and of the spans, in their order, w and its step.
@@ -47,12 +48,14 @@ struct TriangleRows {
   std::span<const std::uint32_t> which{};  // places in the list, some `counted`
   std::int64_t first_row = 0;
   std::int64_t end_row = INT64_MAX;
+  bool again = false;  // as BandEngine::draw_again
 };
 
 struct TriangleKernels {
   // Triangles that check_triangle accepts to spans in order: appends one to `spans` per row that has pixels,
   // until about row_capacity rows are done, and returns how many triangles that took; all modes but
-  // const_depth_rows. Counts triangles, degenerate, rows, divides_edge, divides_row. Without a trace the
+  // const_depth_rows. Counts triangles, degenerate, rows, divides_edge, divides_row; and rows_above in the
+  // batch, of triangles that no other selection counts. Without a trace the
   // span's recip_m, recip_e, phase, fu_diff, fv_diff and step1 columns are not written; with one, appends the
   // records of setup, setup.edge, edge_walk and span_setup (of triangles with all their rows). The starts of
   // the channels in use are written to the batch, without a trace.

@@ -231,18 +231,37 @@ EdgeWalkState start_edge_walk(const EdgeWalkStage& stage, const SetupRecord& set
   return s;
 }
 
+namespace {
+
+// Brings both edges of the next row to it, and returns the one that may end above the triangle's last row.
 template <class Watch>
-bool edge_walk(const EdgeWalkStage& stage, EdgeWalkState& state, RowRecord& out, Watch watch) {
+EdgeState& move_edges(const EdgeWalkStage& stage, EdgeWalkState& state, Watch watch) {
   const std::int64_t y = state.y++;
-  EdgeState& whole = state.edges[0];
   EdgeState& half = y >= state.y_second && state.edges[2].present ? state.edges[2] : state.edges[1];
-  for (EdgeState* e : {&whole, &half}) {
+  for (EdgeState* e : {&state.edges[0], &half}) {
     if (e->started) {
       step_edge(stage, *e, y, watch);
     } else {
       start_edge(stage, *e, y, watch);
     }
   }
+  return half;
+}
+
+}  // namespace
+
+template <class Watch>
+std::uint64_t pass_rows(const EdgeWalkStage& stage, EdgeWalkState& state, std::int64_t to, Watch watch) {
+  const std::int64_t from = state.y;
+  while (state.y < std::min(to, state.y_end)) move_edges(stage, state, watch);
+  return static_cast<std::uint64_t>(state.y - from);
+}
+
+template <class Watch>
+bool edge_walk(const EdgeWalkStage& stage, EdgeWalkState& state, RowRecord& out, Watch watch) {
+  const std::int64_t y = state.y;
+  EdgeState& half = move_edges(stage, state, watch);
+  EdgeState& whole = state.edges[0];
   const EdgeState& left = state.mid_right ? whole : half;
   const EdgeState& right = state.mid_right ? half : whole;
   const auto pixels =
@@ -265,6 +284,8 @@ RowEnd row_end(const RowRecord& row, Side side) {
   return end;
 }
 
+template std::uint64_t pass_rows(const EdgeWalkStage&, EdgeWalkState&, std::int64_t, NoObserve);
+template std::uint64_t pass_rows(const EdgeWalkStage&, EdgeWalkState&, std::int64_t, Observe);
 template bool edge_walk(const EdgeWalkStage&, EdgeWalkState&, RowRecord&, NoObserve);
 template bool edge_walk(const EdgeWalkStage&, EdgeWalkState&, RowRecord&, Observe);
 

@@ -76,6 +76,11 @@ EdgeWalkState start_edge_walk(const EdgeWalkStage& stage, const SetupRecord& set
 template <class Watch = NoObserve>
 bool edge_walk(const EdgeWalkStage& stage, EdgeWalkState& state, RowRecord& out, Watch watch = {});
 
+// Walks the edges over the rows above `to`, which make nothing; returns how many these are. At most to the
+// walk's end.
+template <class Watch = NoObserve>
+std::uint64_t pass_rows(const EdgeWalkStage& stage, EdgeWalkState& state, std::int64_t to, Watch watch = {});
+
 // One end of a row record.
 struct RowEnd {
   std::int64_t edge, x_acc, x, h_acc, h, fu, fv, recip_m, recip_e, u, v;

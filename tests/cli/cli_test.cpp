@@ -1071,6 +1071,72 @@ TEST_F(Cli, OraclesAreDrawn) {
   EXPECT_FALSE(std::filesystem::exists(folder.path("b.png")));
 }
 
+TEST_F(Cli, BandsDrawThePictureOfTheWhole) {
+  ASSERT_EQ(run("render demo --size 64x48 -o whole.png --dump whole").code, 0);
+  for (const std::string engine : {"golden", "model", "model --form scalar", "model --threads 2"}) {
+    const Result r = run("render demo --size 64x48 -o b.png --dump b --bands 7 --engine " + engine);
+    ASSERT_EQ(r.code, 0) << r.err;
+    EXPECT_NE(r.out.find("bits per pixel: depth 16, colour 24\n"), std::string::npos) << r.out;
+    EXPECT_EQ(folder.read("b.png"), folder.read("whole.png")) << engine;
+    for (const std::string plane : {"color", "depth", "u", "v", "triangle"}) {
+      EXPECT_EQ(folder.read("b/" + plane + ".npy"), folder.read("whole/" + plane + ".npy")) << plane;
+    }
+    const auto json = [&](const std::string& name) {
+      auto out = nlohmann::json::parse(folder.read(name + "/run.json"));
+      return out.at("counters");
+    };
+    EXPECT_EQ(json("b"), json("whole")) << engine;
+  }
+  ASSERT_EQ(run("render demo --size 32x24 -o fine.png --supersample 2").code, 0);
+  ASSERT_EQ(run("render demo --size 32x24 -o bands.png --supersample 2 --bands 5").code, 0);
+  EXPECT_EQ(folder.read("fine.png"), folder.read("bands.png"));
+
+  const std::string drawn = "render demo --size 64x48 -o no.png --bands=";
+  refused(drawn + "0", "--bands: '0' is no height of bands; expected rows, 1 to 32768, as 16 or 480,16,1");
+  refused(drawn + "-4", "--bands: '-4' is no height of bands");
+  refused(drawn + "4.5", "--bands: '4.5' is no height of bands");
+  refused(drawn + "49", "--bands: 49 rows are more than the picture's; expected 1 to 48 for demo");
+  refused(drawn + "8,4", "--bands: one picture has bands of one height");
+  refused(drawn + "8 --engine ideal",
+          "--bands: the engine ideal draws whole pictures; expected golden or model");
+  refused(drawn + "8 --engine systemc", "--bands: the engine systemc draws whole pictures");
+  refused(drawn + "8 --statistics", "--bands: of a drawn picture");
+  refused(drawn + "8 --stereo pair", "--stereo: makes a picture alone");
+  refused("render demo --emit-tri no.tri --bands 8", "--bands: of a drawn picture");
+}
+
+TEST_F(Cli, BandsAreComparedWithTheWhole) {
+  const Result r =
+      run("verify demo --size 64x48 --engines golden,model --bands 48,16,1 --json v.json --junit j.xml");
+  ASSERT_EQ(r.code, 0) << r.out << r.err;
+  EXPECT_NE(r.out.find("bands of 1 row, golden = model: "), std::string::npos) << r.out;
+  const auto bands = nlohmann::json::parse(folder.read("v.json")).at("scenes")[0].at("bands");
+  ASSERT_EQ(bands.size(), 3U);
+  for (const auto& one : bands) {
+    EXPECT_TRUE(one.at("held").get<bool>());
+    EXPECT_EQ(one.at("hash"), bands[0].at("hash"));
+    EXPECT_EQ(one.at("records"), bands[0].at("records"));
+  }
+  EXPECT_EQ(bands[0].at("set_up_again"), 0);
+  EXPECT_GT(bands[2].at("set_up_again"), bands[1].at("set_up_again"));
+  EXPECT_EQ(bands[2].at("bytes"), 64 * (16 + 24) / 8);
+  EXPECT_NE(folder.read("j.xml").find("bands of 16 rows"), std::string::npos);
+
+  // An engine without bands: a note where it was not named, else a failure.
+  const Result left = run("verify demo --size 32x24 --no-cycles --engines golden,systemc --bands 8");
+  EXPECT_EQ(left.code, 1) << left.out;
+  EXPECT_NE(left.out.find("systemc left out of the bands: it draws whole pictures"), std::string::npos);
+  EXPECT_EQ(
+      run("verify demo --size 32x24 --no-cycles --engines golden,systemc --bands 8 --allow-missing").code, 0);
+  refused("verify demo --size 32x24 --engines systemc,ideal --bands 8",
+          "--bands: no engine of --engines draws bands; expected golden or model");
+  refused("verify demo --size 32x24 --engines golden,model --bands 8,8", "--bands: 8 is given twice");
+  refused("verify demo --size 32x24 --engines golden,model --bands 8,", "--bands: '' is no height of bands");
+  refused("verify demo --size 32x24 --engines golden,model --bands 25",
+          "--bands: 25 rows are more than the picture's; expected 1 to 24 for demo");
+  refused("verify --suite 'fill.*' --bands 2", "leave out --bands");
+}
+
 TEST_F(Cli, HeightFieldsAreDrawnByTheirOracles) {
   const std::string ridges = "'" + source_path("tests/data/ridges.tri") + "'";
   for (const std::string name : {"horizon", "ybuffer", "ybuffer_lines"}) {

@@ -29,7 +29,8 @@ Drawn drawn(const Config& config, const Scene& scene) {
   const model::Pipeline pipeline = model::make_pipeline(config, scene);
   out.frame = model::cleared_frame(pipeline, scene);
   model::DrawBuffers buffers;
-  model::draw_triangles(pipeline, scene, scene.triangles, 0, buffers, out.frame, out.counters, &out.trace);
+  model::draw_triangles(pipeline, scene, scene.triangles, 0, false, buffers, out.frame, out.counters,
+                        &out.trace);
   return out;
 }
 

@@ -62,6 +62,7 @@ struct TriangleGroup {
   std::array<EdgeGroup, 3> edges;
   std::int64_t index[lane_count];           // of the input
   HWY_ALIGN std::int64_t y[lane_count];     // first row
+  HWY_ALIGN std::int64_t end[lane_count];   // behind the last row of the picture's; 0 without an area
   HWY_ALIGN std::int64_t skip[lane_count];  // rows before the first that is wanted
   HWY_ALIGN std::int64_t rows[lane_count];  // up to the last that is wanted; 0 where nothing is drawn
   HWY_ALIGN std::int64_t mid_right[lane_count];
@@ -286,7 +287,7 @@ HWY_INLINE void set_up(const Stages& stages, const Adders& adders, const Triangl
   for (std::size_t i = 0; i < n; ++i) {
     const std::uint32_t which = from.which[first + i];
     out.index[i] = from.first_index + static_cast<std::int64_t>(which & ~TriangleRows::counted);
-    own[i] = (which & TriangleRows::counted) == 0 ? 1 : 0;
+    own[i] = (which & TriangleRows::counted) == 0 && !from.again ? 1 : 0;
   }
   const auto counts = Lanes::load(own) > Lanes(0);
   // Out of line: the compiler has three times the text to look at otherwise, and clears v first.
@@ -306,6 +307,7 @@ HWY_INLINE void set_up(const Stages& stages, const Adders& adders, const Triangl
   const Lanes end = min(end_row(walk, v[2].y), Lanes(walk.height));
   const Lanes rows = select(active, max(end - y, Lanes(0)), Lanes(0));
   y.store(out.y);
+  select(active, end, Lanes(0)).store(out.end);
   max(Lanes(from.first_row) - y, Lanes(0)).store(out.skip);
   min(rows, Lanes(from.end_row) - y).store(out.rows);
   // Where edge 2 takes over from edge 1.
@@ -329,7 +331,7 @@ HWY_INLINE void set_up(const Stages& stages, const Adders& adders, const Triangl
     counters.divides_edge += set_in(has[k] & counts) * divides_of_edge(stages.channels);
   }
   if (stages.channels.any()) start_channels(stages, adders, from, first, n, v, edges, has, out);
-  if (trace != nullptr) {
+  if (trace != nullptr && !from.again) {
     trace_setup(v, active, mid_right, out.index, *trace);
     trace_edges(edges, has, out.index, *trace);
   }
