@@ -14,8 +14,8 @@
 #include "config/curve.hpp"
 #include "config/store.hpp"
 #include "io/atomic_file.hpp"
-#include "model/stages/forward_difference.hpp"
 #include "scene/generate/curve.hpp"
+#include "study/curves.hpp"
 
 namespace bitspan {
 namespace {
@@ -65,7 +65,6 @@ AdderPoints points_by_adders(const std::vector<GridPiece>& pieces, const CurveFo
   const model::ForwardDifferenceStage stage = model::prepare_forward_difference(formats, fraction, k);
   AdderPoints out;
   const int steps = 1 << k;
-  const double ulp = std::ldexp(1.0, -formats[0].fraction());
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     std::vector<Vec3> points(static_cast<std::size_t>(steps) + 1);
     bool is_off = false;
@@ -73,26 +72,10 @@ AdderPoints points_by_adders(const std::vector<GridPiece>& pieces, const CurveFo
     for (std::size_t axis = 0; axis < axes.size(); ++axis) {
       const auto& p = pieces[i][axis];
       for (const std::int64_t x : p) out.largest = std::max(out.largest, std::abs(x));
-      const Cubic<std::int64_t> cubic = cubic_of(bezier_matrix, 1, p);
-      const CurveCoefficients curve{cubic.power, fraction};
-      CurveRegisters d = model::start_curve(stage, curve);
-      for (int n = 0; n <= steps; ++n) {
-        const double x = static_cast<double>(d[0]) * ulp;
-        points[static_cast<std::size_t>(n)].*axes[axis] = x;
-        // Over 2^3k exactly; the difference rounds once.
-        using Wide = __int128;
-        const Wide t = n;
-        const Wide truth =
-            ((cubic.power[3] * t + Wide{cubic.power[2]} * steps) * t + Wide{cubic.power[1]} * steps * steps) *
-                t +
-            Wide{cubic.power[0]} * steps * steps * steps;
-        const long double error = static_cast<long double>(d[0]) * static_cast<long double>(ulp) -
-                                  std::ldexp(static_cast<long double>(truth), -fraction - 3 * k);
-        out.worst = std::max(out.worst, static_cast<double>(std::fabs(error)));
-        if (n < steps) model::forward_difference(stage, d);
-      }
-      is_off = is_off || std::ldexp(static_cast<long double>(d[0]), fraction - formats[0].fraction()) !=
-                             static_cast<long double>(p[3]);
+      const AdderCurve curve = curve_by_adders(stage, p, fraction);
+      for (std::size_t n = 0; n < points.size(); ++n) points[n].*axes[axis] = curve.points[n];
+      out.worst = std::max(out.worst, curve.worst);
+      is_off = is_off || curve.misses_end;
     }
     out.ends_off += is_off ? 1 : 0;
     for (std::size_t n = i == 0 ? 0 : 1; n < points.size(); ++n) {

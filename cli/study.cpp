@@ -28,6 +28,7 @@
 #include "io/atomic_file.hpp"
 #include "io/json_depth.hpp"
 #include "report/table.hpp"
+#include "scene/bez.hpp"
 #include "scene/camera_views.hpp"
 #include "scene/tri_stream.hpp"
 #include "study/area_estimate.hpp"
@@ -101,6 +102,15 @@ Scene loaded_again(const Scene& scene, const Config& config) {
   return std::move(out[0]);
 }
 
+// The curves of a scene of patches that is drawn whole: so the scene's hash is theirs, too.
+std::optional<CurveSet> curves_again(const Scene& scene) {
+  const auto [named, flags] = split_flags(scene.name);
+  if (!named.ends_with(".bez")) return std::nullopt;
+  const SceneOptions options = parse_scene_flags(flags);
+  if (!options.no_cull) return std::nullopt;
+  return curves_of(read_bez(named), options.patch_depth.value_or(patch_k_default));
+}
+
 // The scenes of a study, lit as all of its points ask for. Throws InputError where a scene is not the same
 // for all: a mesh is lit by the unit of the configuration, or by the front end where there is none.
 std::vector<Scene> scenes_of(const StudyPlan& plan, const std::vector<std::string>& names, bool allow_empty) {
@@ -121,8 +131,9 @@ std::vector<Scene> scenes_of(const StudyPlan& plan, const std::vector<std::strin
 }
 
 Measure make_meter(std::vector<Scene> scenes) {
-  return [meter = std::make_shared<PointMeter>(std::move(scenes), half_of_memory(), loaded_again)](
-             const Config& config) { return meter->measure(config); };
+  return
+      [meter = std::make_shared<PointMeter>(std::move(scenes), half_of_memory(), loaded_again, curves_again)](
+          const Config& config) { return meter->measure(config); };
 }
 
 // Reads "I/N", the I-th of N parts, counted from 1.
@@ -252,8 +263,9 @@ int cut_short(const StudyArguments& o, const std::string& so_far, const Store& s
 int end_study(const StudyArguments& o, const StudyPlan& plan, const std::vector<Scene>& scenes, Store& store,
               const Interrupt& interrupt, bool any_holds) {
   const auto load = [&](const std::string& name) { return scenes_of(plan, {name}, o.allow_empty); };
-  const bool held = interrupt.exit_code() == 0 &&
-                    examine_recommendations(plan, scenes, load, loaded_again, store, interrupt.token());
+  const bool held =
+      interrupt.exit_code() == 0 &&
+      examine_recommendations(plan, scenes, load, loaded_again, curves_again, store, interrupt.token());
   if (interrupt.exit_code() != 0) return cut_short(o, "", store, interrupt);
   if (!o.report.empty()) write_study_report(store.path(), plan.name, o.report, o.against);
   return any_holds && held ? exit_held : exit_difference;

@@ -107,7 +107,8 @@ std::string measure_text(const StudyPlan& plan, const SearchResult& result, Poin
 }
 
 bool examine_recommendations(const StudyPlan& plan, const std::vector<Scene>& scenes, const LoadScenes& load,
-                             const LoadLit& lit, Store& store, const std::stop_token& stop) {
+                             const LoadLit& lit, const LoadCurves& curves, Store& store,
+                             const std::stop_token& stop) {
   const auto recommended = recommendations(plan, store);
   if (recommended.empty()) {
     fmt::print("nothing to recommend: {}{}\n",
@@ -123,9 +124,9 @@ bool examine_recommendations(const StudyPlan& plan, const std::vector<Scene>& sc
   bool held = true;
   for (const Recommendation& point : recommended) {
     if (stop.stop_requested()) break;
-    Examination found = examine(plan, point, scenes, store, tell, stop, lit);
+    Examination found = examine(plan, point, scenes, store, tell, stop, lit, curves);
     if (!plan.validation.empty() && !plan.constraints.empty() && !stop.stop_requested()) {
-      Validation unseen = validate(plan, point, load, store, tell, stop, lit);
+      Validation unseen = validate(plan, point, load, store, tell, stop, lit, curves);
       found.held = found.held && unseen.held == unseen.views;
       std::ranges::move(unseen.lines, std::back_inserter(found.lines));
     }

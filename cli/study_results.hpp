@@ -28,9 +28,10 @@ using LoadScenes = std::function<std::vector<Scene>(const std::string&)>;
 
 // Examines what the study recommends and prints what it finds. Returns true where all views agree, no error
 // is above its bound and the constraints hold on the scenes that validate. Returns true, too, where nothing
-// is recommended, and prints that. lit: as PointMeter has it.
+// is recommended, and prints that. lit, curves: as PointMeter has them.
 bool examine_recommendations(const StudyPlan& plan, const std::vector<Scene>& scenes, const LoadScenes& load,
-                             const LoadLit& lit, Store& store, const std::stop_token& stop);
+                             const LoadLit& lit, const LoadCurves& curves, Store& store,
+                             const std::stop_token& stop);
 
 // Writes the HTML report with its plots into a folder, with python/bitspan_report. Throws ToolError with what
 // that program said where it fails. `against` is the database of a study to compare with; "" for none.

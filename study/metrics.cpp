@@ -35,6 +35,16 @@ constexpr auto other_metrics = std::to_array<MetricRow>({
      "there at a shadow's edge, or as near to what shades them as registers tell: left open", Better::low,
      MetricRole::detail},
     {"shadow.judged", "pixels", "there, that rays judge", Better::high, MetricRole::detail},
+    {"curve.error_max", "steps",
+     "of the curves of a scene of patches: how far a point is from the cubic, in steps of the control "
+     "points' "
+     "grid"},
+    {"curve.error_bound", "steps", "there, the proved bound of that", Better::low, MetricRole::detail},
+    {"curve.missed_ends", "curves", "there, that do not end on their last control point"},
+    {"curve.inexact", "curves", "there, of which some point is not the cubic's"},
+    {"curve.curves", "curves", "there, each coordinate by itself", Better::high, MetricRole::detail},
+    {"curve.register_bits", "bits", "of `curve.d0` to `curve.d3`, which no other cost counts", Better::low,
+     MetricRole::cost},
     {"timing.pixel_unit", "clocks", "latency of the RTL's reciprocal unit per pixel"},
     {"timing.row_unit", "clocks", "latency of the RTL's reciprocal unit per row"},
     {"timing.span", "clocks", "latency of the RTL's span stage"},

@@ -168,12 +168,14 @@ Scene lit_for(Scene scene, const Config& config, const LoadLit& lit) {
   return scene;
 }
 
-PointMeter::PointMeter(std::vector<Scene> scenes, std::size_t truth_bytes, LoadLit lit)
+PointMeter::PointMeter(std::vector<Scene> scenes, std::size_t truth_bytes, LoadLit lit,
+                       const LoadCurves& curves)
     : scenes_(std::move(scenes)),
       truths_(std::make_unique<Truths>(scenes_, truth_bytes)),
       lit_(std::move(lit)) {
   if (scenes_.empty()) throw InputError("a study without scenes: name at least one");
   for (const Scene& scene : scenes_) {
+    curves_.push_back(curves ? curves(scene) : std::nullopt);
     if (!changes_scene(scene.commands) || scene.projector) continue;
     throw InputError(scene.name + one_view);
   }
@@ -201,7 +203,7 @@ PointResult PointMeter::measure(const Config& config, bool histograms) const {
   ErrorReport errors;
   const auto engine = make_observed_model(config);
   Trace trace;
-  Metrics shadows;
+  Metrics shadows, curves;
   for (std::size_t s = 0; s < scenes_.size(); ++s) {
     const Scene& scene = in_passes[s] ? *in_passes[s] : scenes_[s];
     std::shared_ptr<const SceneTruth> truth;
@@ -226,6 +228,11 @@ PointResult PointMeter::measure(const Config& config, bool histograms) const {
       merge(seen[i], here[i]);
     }
     out.scenes.push_back({scene.name, metrics_of(meter.report(), register_uses(config, here))});
+    if (curves_[s]) {
+      const Metrics own = curve_metrics(config, *curves_[s]);
+      add_curve_metrics(own, curves);
+      out.scenes.back().metrics.insert(own.begin(), own.end());
+    }
     if (!in_passes[s]) continue;
     const Metrics own = shadow_metrics(config, scene, engine->frame());
     for (const auto& [name, value] : own) shadows[name] += value;
@@ -242,6 +249,7 @@ PointResult PointMeter::measure(const Config& config, bool histograms) const {
   std::vector<RegisterUse> registers = register_uses(config, seen);
   out.metrics = metrics_of(errors, registers);
   out.metrics.merge(shadows);
+  out.metrics.merge(curves);
   for (std::size_t i = 0; i < registers.size(); ++i) {
     if (registers[i].count == 0) continue;
     registers[i].zeros = octaves[i].zeros;

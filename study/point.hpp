@@ -7,12 +7,14 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "config/config.hpp"
 #include "engine/engine.hpp"
 #include "scene/scene.hpp"
+#include "study/curves.hpp"
 #include "study/metrics.hpp"
 #include "study/truths.hpp"
 
@@ -57,9 +59,10 @@ class PointMeter {
  public:
   // Keeps the scenes; what depends on them alone is computed once, where it fits in so many bytes. Of a scene
   // with a shadow map the picture is measured, and rays from the light judge it; there are no errors of
-  // fields. Throws InputError where there is no scene, and where one is drawn in other passes.
-  explicit PointMeter(std::vector<Scene> scenes, std::size_t truth_bytes = half_of_memory(),
-                      LoadLit lit = {});
+  // fields. Of a scene of patches the curves are measured, too. Throws InputError where there is no scene,
+  // and where one is drawn in other passes.
+  explicit PointMeter(std::vector<Scene> scenes, std::size_t truth_bytes = half_of_memory(), LoadLit lit = {},
+                      const LoadCurves& curves = {});
   ~PointMeter();
   // May be called from several threads. Throws InputError where the configuration is illegal, is too narrow
   // for a scene (check_scene_range), or draws nothing of any scene. Without histograms RegisterUse::zeros and
@@ -72,6 +75,7 @@ class PointMeter {
 
  private:
   std::vector<Scene> scenes_;
+  std::vector<std::optional<CurveSet>> curves_;  // of each
   std::unique_ptr<Truths> truths_;
   LoadLit lit_;
 };

@@ -562,7 +562,7 @@ void keep_findings(const StudyPlan& plan, const std::string& hash, const std::ve
 Validation validate(const StudyPlan& plan, const Recommendation& point,
                     const std::function<std::vector<Scene>(const std::string&)>& load, Store& store,
                     const std::function<void(const std::string&)>& told, const std::stop_token& stop,
-                    const LoadLit& lit) {
+                    const LoadLit& lit, const LoadCurves& curves) {
   const MeasuredPoint of = measured_point(point.hash, store);
   const Config& config = of.config;
   struct View {
@@ -575,7 +575,8 @@ Validation validate(const StudyPlan& plan, const Recommendation& point,
     if (of.s_ratio) scene = with_s_ratio(std::move(scene), *of.s_ratio);
     View view{scene.name, {}, {}};
     try {
-      PointResult result = PointMeter({std::move(scene)}, half_of_memory(), lit).measure(config, false);
+      PointResult result =
+          PointMeter({std::move(scene)}, half_of_memory(), lit, curves).measure(config, false);
       view.measured = {std::move(result.metrics), std::move(result.scenes)};
     } catch (const InputError& error) {
       view.refusal = error.what();
@@ -650,7 +651,7 @@ void check_report(const StudyPlan& plan, const std::vector<Scene>& scenes) {
 
 Examination examine(const StudyPlan& plan, const Recommendation& point, std::vector<Scene> scenes,
                     Store& store, const std::function<void(const std::string&)>& told,
-                    const std::stop_token& stop, const LoadLit& lit) {
+                    const std::stop_token& stop, const LoadLit& lit, const LoadCurves& curves) {
   Examination out;
   const MeasuredPoint of = measured_point(point.hash, store);
   const Config& config = of.config;
@@ -673,7 +674,7 @@ Examination examine(const StudyPlan& plan, const Recommendation& point, std::vec
               {plan.name, point.hash, point.reason, (check.held ? "equal: " : "DIFFERS: ") + check.text});
   });
 
-  const PointMeter meter(scenes);
+  const PointMeter meter(scenes, half_of_memory(), {}, curves);
   if (const auto known = store.known(point.hash); known && !known->asked.everything) {
     told("all that the report shows");
     keep_whole(of.row, known->asked, config, meter, store);

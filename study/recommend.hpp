@@ -58,11 +58,11 @@ struct Validation {
 // Measures a recommended point on scenes that no point was chosen by, each alone, and judges every constraint
 // on each. `load` makes the scenes of a name. Writes each value into the database. Throws InputError as
 // `load` and PointMeter do, but for a refused scene, which counts as one that does not hold. `told` gets what
-// is under way. lit: as PointMeter has it.
+// is under way. lit, curves: as PointMeter has them.
 Validation validate(const StudyPlan& plan, const Recommendation& point,
                     const std::function<std::vector<Scene>(const std::string&)>& load, Store& store,
                     const std::function<void(const std::string&)>& told, const std::stop_token& stop,
-                    const LoadLit& lit = {});
+                    const LoadLit& lit = {}, const LoadCurves& curves = {});
 
 struct Examination {
   bool held = true;
@@ -74,7 +74,7 @@ struct Examination {
 // observed error is above its bound. Throws InputError as the functions that it calls do.
 Examination examine(const StudyPlan& plan, const Recommendation& point, std::vector<Scene> scenes,
                     Store& store, const std::function<void(const std::string&)>& told,
-                    const std::stop_token& stop, const LoadLit& lit = {});
+                    const std::stop_token& stop, const LoadLit& lit = {}, const LoadCurves& curves = {});
 
 // Throws InputError where the plan asks for a budget or bounds of a scene that is drawn in passes.
 void check_report(const StudyPlan& plan, const std::vector<Scene>& scenes);
