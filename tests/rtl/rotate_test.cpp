@@ -5,6 +5,11 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <deque>
+#include <span>
+
 #include "engine/emit_rotate_sv.hpp"
 #include "tb/rtl_sources.hpp"
 #include "tests/rtl/random_rtl.hpp"
@@ -46,28 +51,68 @@ Config random_rotate_config(std::uint64_t seed) {
   return c;
 }
 
+// Vectors with their angles, and what has to come out for each.
+class RandomTurns {
+ public:
+  RandomTurns(const Config& c, Random& random)
+      : random_(random),
+        vector_(c.format(FormatId::rotate_xy)),
+        stage_(model::prepare_rotate(rotate_formats(c), turn)) {}
+
+  void make(std::uint64_t n, std::span<std::uint64_t> in, std::span<std::uint64_t> out) {
+    const auto port = [](std::int64_t raw, const model::Register& r) { return Rtl::to_port(raw, r.word); };
+    const PlaneVector v{random_raw(random_, vector_), random_raw(random_, vector_)};
+    const int angle = static_cast<int>(random_() % (turn + 1)) - turn / 2;
+    const model::RotateOperands by = model::rotate_operands(stage_, angle);
+    const PlaneVector to = model::rotate(stage_, v, by);
+    const std::uint64_t mark = mark_of(n);
+    std::ranges::copy(
+        std::array{port(v.x, stage_.xy), port(v.y, stage_.xy), port(by.t, stage_.t), port(by.s, stage_.s),
+                   static_cast<std::uint64_t>(by.quarter) & 3, std::uint64_t{by.is_first ? 0U : 1U}, mark},
+        in.begin());
+    std::ranges::copy(std::array{port(to.x, stage_.xy), port(to.y, stage_.xy), mark}, out.begin());
+  }
+
+ private:
+  Random& random_;
+  Format vector_;
+  model::RotateStage stage_;
+};
+
 UnitRun run_vectors(const Config& c, Random& random, std::size_t count, const StageStalls& stalls,
                     StageTrace* trace = nullptr) {
   const StageDesign design = design_of(c);
   StageBench bench(design, random());
   bench.set_stalls(stalls);
-  const model::RotateStage stage = model::prepare_rotate(rotate_formats(c), turn);
-  const auto port = [](std::int64_t raw, const model::Register& r) { return Rtl::to_port(raw, r.word); };
+  RandomTurns turns(c, random);
   if (trace != nullptr) bench.keep_trace(*trace);
   return run_unit(
       bench, design, count,
       [&](std::uint64_t n) {
-        const PlaneVector v{random_raw(random, c.format(FormatId::rotate_xy)),
-                            random_raw(random, c.format(FormatId::rotate_xy))};
-        const int angle = static_cast<int>(random() % (turn + 1)) - turn / 2;
-        const model::RotateOperands by = model::rotate_operands(stage, angle);
-        const PlaneVector to = model::rotate(stage, v, by);
-        const std::uint64_t mark = mark_of(n);
-        return Exchange{{port(v.x, stage.xy), port(v.y, stage.xy), port(by.t, stage.t), port(by.s, stage.s),
-                         static_cast<std::uint64_t>(by.quarter) & 3, by.is_first ? 0U : 1U, mark},
-                        {port(to.x, stage.xy), port(to.y, stage.xy), mark}};
+        Exchange e{StageValues(7), StageValues(3)};
+        turns.make(n, e.in, e.out);
+        return e;
       },
       emit_rotate_sv(c));
+}
+
+// The same without gaps and stalls. Returns the clocks.
+std::uint64_t stream_vectors(const Config& c, Random& random, std::uint64_t count) {
+  RandomTurns turns(c, random);
+  std::deque<std::array<std::uint64_t, 3>> given;  // on their way
+  std::uint64_t sent = 0;
+  return run_stream(design_of(c), {.offer =
+                                       [&](std::span<std::uint64_t> in) {
+                                         if (sent == count) return false;
+                                         turns.make(sent++, in, given.emplace_back());
+                                         return true;
+                                       },
+                                   .expect =
+                                       [&](std::span<std::uint64_t> out) {
+                                         std::ranges::copy(given.at(0), out.begin());
+                                         given.pop_front();
+                                       },
+                                   .count = count});
 }
 
 void check(const Config& config, std::uint64_t seed, std::size_t count) {
@@ -79,8 +124,17 @@ void check(const Config& config, std::uint64_t seed, std::size_t count) {
   }
 }
 
-// In the long form more than 10^7 vectors.
-TEST(RotateRtl, Shipped) { check(shipped_config("depth16"), 71, is_long_run() ? 2'600'000 : 3000); }
+TEST(RotateRtl, Shipped) { check(shipped_config("depth16"), 71, is_long_run() ? 200'000 : 3000); }
+
+// In the long form 10^8 vectors, one per clock.
+TEST(RotateRtl, ManyVectors) {
+  constexpr std::uint64_t seed = 75;
+  SCOPED_TRACE(seed);
+  Random random(seed);
+  const Config config = shipped_config("depth16");
+  const std::uint64_t count = is_long_run() ? 100'000'000 : 50'000;
+  EXPECT_EQ(stream_vectors(config, random, count), count + static_cast<std::uint64_t>(rotate_clocks(config)));
+}
 
 TEST(RotateRtl, Random) {
   for (int n = 0; n < (is_long_run() ? 20 : 2); ++n) {

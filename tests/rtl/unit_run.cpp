@@ -2,6 +2,7 @@
 #include "tests/rtl/unit_run.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <deque>
@@ -10,8 +11,11 @@
 namespace bitspan {
 namespace {
 
+const StageChannel& channel_of(const StageDesign& design, const char* channel) {
+  return *std::ranges::find(design.channels, channel, &StageChannel::name);
+}
 const std::vector<std::string>& fields_of(const StageDesign& design, const char* channel) {
-  return std::ranges::find(design.channels, channel, &StageChannel::name)->fields;
+  return channel_of(design, channel).fields;
 }
 
 }  // namespace
@@ -47,6 +51,39 @@ UnitRun run_unit(StageBench& bench, const StageDesign& design, std::size_t count
     return r.fragments == count;
   });
   return r;
+}
+
+std::uint64_t run_stream(const StageDesign& design, const UnitStream& stream) {
+  constexpr std::uint64_t patience = 1000;  // clocks without a transfer
+  const RtlModuleDesign ports = module_of(design);
+  const ChannelPorts in = ports_of(ports, channel_of(design, "in"));
+  const ChannelPorts out = ports_of(ports, channel_of(design, "out"));
+  std::vector<std::uint64_t> inputs(ports.inputs.size()), outputs(ports.outputs.size());
+  std::vector<std::uint64_t> expected(fields_of(design, "out").size());
+  const std::span offered = std::span(inputs).subspan(in.first, fields_of(design, "in").size());
+  const std::span answer = std::span(outputs).subspan(out.first, expected.size());
+  RtlModule module(ports);
+  inputs[out.ready] = 1;
+  inputs[in.valid] = stream.offer(offered) ? 1 : 0;
+  std::uint64_t done = 0, clock = 0, last = 0;
+  while (done < stream.count || clock < last + patience) {
+    module.clock(inputs, outputs);
+    ++clock;
+    if (inputs[in.valid] != 0 && outputs[in.ready] != 0) inputs[in.valid] = stream.offer(offered) ? 1 : 0;
+    if (outputs[out.valid] == 0) {
+      if (clock > last + patience) throw std::logic_error(fmt::format("no transfer behind {}", done));
+      continue;
+    }
+    last = clock;
+    if (done == stream.count) throw std::logic_error("a transfer after the last");
+    stream.expect(expected);
+    if (!std::ranges::equal(answer, expected)) {
+      throw std::logic_error(fmt::format("transfer {}: {:#x}, expected {:#x}\n{}", done,
+                                         fmt::join(answer, " "), fmt::join(expected, " "), design.package));
+    }
+    ++done;
+  }
+  return last;
 }
 
 }  // namespace bitspan
