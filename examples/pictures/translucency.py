@@ -2,19 +2,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Draw a cow of glass between two panes that cut it and each other, in the order of the file and by passes, and two teapots.
 
-    examples/translucency/pictures.py BITSPAN CONFIG.toml FOLDER
+    examples/pictures/translucency.py BITSPAN CONFIG.toml FOLDER
 
 writes FOLDER/translucency-NAME.png. The mesh is made in a folder that is removed again.
 """
 
-import pathlib
-import subprocess
 import sys
-import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-SPOT = ROOT / "tests/data/spot.obj"
-TEAPOT = ROOT / "tests/data/teapot.bez"
+from drawing import DATA, Drawing, make
+
+SPOT = DATA / "spot.obj"
+TEAPOT = DATA / "teapot.bez"
 SIZE = "480x360"
 PANES = {"red": [(-0.9, -0.8, -0.7), (0.9, -0.8, 0.7), (0.9, 1.0, 0.7), (-0.9, 1.0, -0.7)],
          "blue": [(-0.9, -0.8, 0.5), (0.9, -0.8, -0.5), (0.9, 1.0, -0.5), (-0.9, 1.0, 0.5)]}
@@ -35,10 +33,10 @@ def mesh() -> str:
     return "\n".join(["mtllib glass.mtl", *vertices, *panes, "usemtl glass", *faces, ""])
 
 
-def teapots(bitspan: str, scratch: pathlib.Path) -> str:
+def teapots(drawing: Drawing) -> str:
     """Two teapots of glass, one behind the other."""
-    patches = scratch / "patches.obj"
-    subprocess.run([bitspan, "make", "patches", str(TEAPOT), "-o", str(patches)], check=True, stdout=subprocess.DEVNULL)
+    patches = drawing.scratch / "patches.obj"
+    drawing.run("make", "patches", TEAPOT, "-o", patches)
     lines = patches.read_text().splitlines()
     points = [[float(part) for part in line.split()[1:]] for line in lines if line.startswith("v ")]
     faces = [[int(part) for part in line.split()[1:]] for line in lines if line.startswith("f ")]
@@ -50,27 +48,19 @@ def teapots(bitspan: str, scratch: pathlib.Path) -> str:
     return "\n".join([*out, ""])
 
 
-def main() -> int:
-    if len(sys.argv) != 4:
-        print(__doc__, file=sys.stderr)
-        return 2
-    bitspan, config, out = sys.argv[1], sys.argv[2], pathlib.Path(sys.argv[3])
-    with tempfile.TemporaryDirectory() as scratch:
-        obj = pathlib.Path(scratch) / "glass.obj"
-        obj.write_text(mesh())
-        obj.with_suffix(".mtl").write_text("".join(f"newmtl {name}\nKd {r} {g} {b}\nd {alpha}\n"
-                                                   for name, ((r, g, b), alpha) in MATERIALS.items()))
-        def draw(name: str, scene: pathlib.Path, *flags: str) -> None:
-            subprocess.run([bitspan, "render", str(scene), "--config", config, "--size", SIZE, "--no-cull", *flags,
-                            "-o", str(out / f"translucency-{name}.png")], check=True, stdout=subprocess.DEVNULL)
+def draw(drawing: Drawing) -> None:
+    obj = drawing.scratch / "glass.obj"
+    obj.with_suffix(".mtl").write_text("".join(f"newmtl {name}\nKd {r} {g} {b}\nd {alpha}\n"
+                                               for name, ((r, g, b), alpha) in MATERIALS.items()))
 
-        for name in ("order", "passes"):
-            draw(name, obj, "--distance", "3.2", "--light=2,3,-3,0.6,0.2,32", "--translucency", name)
-        obj.write_text(teapots(bitspan, pathlib.Path(scratch)))
-        for name in ("order", "passes"):
-            draw(f"teapots-{name}", obj, "--yaw", "20", "--distance", "13", "--light=-4,9,9,0.6,0.25,32", "--translucency", name)
-    return 0
+    def both_ways(name: str, text: str, *flags: str) -> None:
+        obj.write_text(text)
+        for how in ("order", "passes"):
+            drawing.render(f"translucency-{name}{how}", obj, "--size", SIZE, "--no-cull", *flags, "--translucency", how)
+
+    both_ways("", mesh(), "--distance", "3.2", "--light=2,3,-3,0.6,0.2,32")
+    both_ways("teapots-", teapots(drawing), "--yaw", "20", "--distance", "13", "--light=-4,9,9,0.6,0.25,32")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(make(draw, __doc__))
