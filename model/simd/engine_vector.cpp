@@ -428,7 +428,7 @@ class VectorModel {
     run_.deliver_constants(trace);
     const Way way = find_way(trace != nullptr || statistics != nullptr);
     if (way == Way::scalar) return draw_scalar(triangles, first_index, again, trace, statistics);
-    select_textures(plan_, run_.pipeline, *run_.scene, triangles);
+    select_textures(plan_, run_.pipeline, *run_.scene, {});
     if (run_.pipeline.texture_second.is_on()) prepare_second_texture(plan_);
     const auto draw_chunk = [&](std::size_t at, std::size_t n) {
       std::visit(
@@ -439,11 +439,21 @@ class VectorModel {
           },
           drawing_);
     };
+    int last_texture = -1;
+    const auto take_texture = [&](const Triangle& t) {
+      if (t.texture == last_texture) return;
+      last_texture = t.texture;
+      need_texture(plan_, run_.pipeline, *run_.scene, 0, last_texture);
+    };
+    const auto is_good = [&](const Triangle& t) {
+      if (t.is_line || !plainly_good(*run_.scene, t)) return false;
+      take_texture(t);
+      return true;
+    };
     std::size_t at = 0;
     while (at < triangles.size()) {
       const std::size_t most = std::min(triangles.size() - at, chunk_triangles);
       std::size_t good = 0;
-      const auto is_good = [&](const Triangle& t) { return !t.is_line && plainly_good(*run_.scene, t); };
       while (good < most && is_good(triangles[at + good])) ++good;
       draw_chunk(at, good);
       at += good;
@@ -458,6 +468,7 @@ class VectorModel {
       }
       check_triangle(*run_.scene, triangles[at], first_index + static_cast<std::int64_t>(at));
       // Only large numbers, whose sum was not finite: drawn on its own.
+      take_texture(triangles[at]);
       draw_chunk(at, 1);
       ++at;
     }

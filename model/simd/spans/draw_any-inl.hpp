@@ -121,6 +121,7 @@ void draw_any(const Pipeline& pipeline, const Columns<SpanRecord>& spans, const 
   };
   std::uint64_t waiting = 0;  // fragments of `work.owning` that passed
   const auto shade_owned = [&]() HWY_ATTR {
+    if (work.owning.empty()) return;
     for (const auto& piece : work.owning) {
       const std::size_t n = owned(owners_of(piece.span), piece.from, piece.to, places);
       if (n == 0) continue;
@@ -199,6 +200,7 @@ void draw_any(const Pipeline& pipeline, const Columns<SpanRecord>& spans, const 
     }
   }
   shade_owned();
+  filler.flush();
   counters.fragments += fragments;
   counters.covered += fragments;
   counters.divides_pixel += fragments * static_cast<std::uint64_t>(pipeline.span.divides_per_fragment);
