@@ -185,10 +185,12 @@ struct Extremes {
   std::array<double, 2> width{};         // of t in one triangle
   std::array<double, 2> width_over_s{};  // over the least s in it
   bool is_finite = true;
+  bool has_line = false;
 
   explicit Extremes(std::span<const Triangle> triangles) {
     double zero = 0;  // NaN where anything is not finite
     for (const Triangle& triangle : triangles) {
+      has_line = has_line || triangle.is_line;
       Bounds own_s;
       std::array<Bounds, 2> own_t;
       for (const Vertex& v : triangle.v) {
@@ -238,9 +240,7 @@ class RangeCheck {
     if (has_perspective_shades(c_.shade_lines)) vertex_shades(triangles, first);
     if (has_second_coordinates(c_.second_coordinates)) vertex_second(triangles, first);
     if (view_.light && has_relief(c_)) vertex_relief(triangles, first);
-    // The bounds know nothing of the ends of lines.
-    const bool has_line = std::ranges::any_of(triangles, &Triangle::is_line);
-    if (by == RangeBy::bounds && !has_line && surely_held(triangles)) return;
+    if (by == RangeBy::bounds && surely_held(triangles)) return;
     for (const Triangle& t : triangles) triangle(t, first++);
   }
 
@@ -647,7 +647,11 @@ class RangeCheck {
       edge(p[1], p[2], index);
     }
     const auto [left, right] = std::minmax({p[0].x, p[1].x, p[2].x});
-    const bool seen = left < view_.width && right > 0 && p[0].y < view_.height && p[2].y > 0;
+    // A line has pixels on the first column and row, too.
+    const auto meets = [&](Real low, Real high, int size) {
+      return low < size && (corners.is_line ? high >= 0 : high > 0);
+    };
+    const bool seen = meets(left, right, view_.width) && meets(p[0].y, p[2].y, view_.height);
     if (!seen) return;
     for (std::size_t i = 0; i < 2; ++i) {
       if (has_setup_plane(c_)) {
@@ -674,7 +678,8 @@ class RangeCheck {
   bool surely_held(std::span<const Triangle> triangles) const {
     if (triangles.empty()) return true;
     const Extremes of(triangles);
-    if (!of.is_finite) return false;
+    // The bounds know nothing of the ends of lines.
+    if (!of.is_finite || of.has_line) return false;
     bool held = true;
     // The register's values. One that saturates on purpose keeps their order; others in doubt are left to
     // `triangle`.

@@ -492,6 +492,24 @@ TEST(Range, DegenerateAndInvisibleTrianglesAskForNothingTheyDoNotUse) {
   EXPECT_TRUE(names(refusal(c, scene), F::span_shade));
 }
 
+TEST(Range, LinesOnTheEdgesOfThePictureAreSeen) {
+  Config c = shipped_config("depth16");
+  c.line_walk = LineForm::exact;
+  c.format(F::span_shade) = {4, -2, false};
+  Scene scene;
+  scene.triangles.resize(1);
+  Triangle& line = scene.triangles[0];
+  line.is_line = true;
+  const auto asked = [&](double x, double y, double x1, double y1) {
+    line.v = {Vertex{{x, y, 2}, {}}, Vertex{{x1, y1, 2}, {}}, Vertex{{x1, y1, 2}, {}}};
+    return names(refusal(c, scene), F::span_shade);
+  };
+  EXPECT_TRUE(asked(0, 3, 0, 9)) << "the first column";
+  EXPECT_TRUE(asked(3, 0, 9, 0)) << "the first row";
+  EXPECT_FALSE(asked(-1, 3, -1, 9));
+  EXPECT_FALSE(asked(3, -1, 9, -1));
+}
+
 TEST(Range, ShippedConfigurationsTakeUsualScenes) {
   std::mt19937_64 random(6);
   for (const std::string& name : shipped_names) {
