@@ -745,17 +745,19 @@ bool make_plans(const SceneOptions& o) {
   return !o.shadow.empty() || !o.slide.empty() || !o.wireframe.empty() || in_passes(o);
 }
 std::optional<WireframeOptions> wireframe_of(const SceneOptions& o) {
-  if (o.wireframe.empty()) {
-    if (o.wireframe_bias)
-      throw InputError("--wireframe-bias: is of hidden lines; give --wireframe hidden too");
-    return std::nullopt;
-  }
-  const auto kind = choice<Wireframe>(o.wireframe, "--wireframe");
-  if (o.wireframe_bias && !hides_lines(kind)) {
+  std::optional<Wireframe> kind;
+  if (!o.wireframe.empty()) kind = choice<Wireframe>(o.wireframe, "--wireframe");
+  if (o.wireframe_bias && !(kind && hides_lines(*kind))) {
     throw InputError("--wireframe-bias: is of hidden lines; give --wireframe hidden too");
   }
+  if (!kind) return std::nullopt;
   const int codes = o.wireframe_bias.value_or(wireframe_bias(o.depth_bits));
-  return WireframeOptions{kind, nearer_is_larger(o.depth_code) ? codes : -codes};
+  return WireframeOptions{*kind, nearer_is_larger(o.depth_code) ? codes : -codes};
+}
+// Refuses what is not legal before a stream is read.
+void refuse_plans(const SceneOptions& options) {
+  shadow_of(options);
+  wireframe_of(options);
 }
 // The scene as passes that blend its layers from back to front.
 Scene as_passes(Scene scene, const SceneOptions& options) {
@@ -773,13 +775,13 @@ Scene as_passes(Scene scene, const SceneOptions& options) {
 }  // namespace
 
 SceneSource open_scene(const std::string& name, const SceneOptions& options) {
-  shadow_of(options);  // refuses what is not legal before a stream is read
+  refuse_plans(options);
   if (comes_in_pieces(name) && !make_plans(options)) return {name, options};
   return SceneSource(load_scene(name, options));
 }
 
 std::vector<SceneSource> open_scenes(const std::string& name, const SceneOptions& options, bool whole) {
-  shadow_of(options);  // refuses what is not legal before a stream is read
+  refuse_plans(options);
   std::vector<SceneSource> out;
   const bool needs_all = whole || make_plans(options);
   if (comes_in_pieces(name) && name != "-" && !needs_all) {

@@ -76,6 +76,10 @@ Scene seen_from(const Scene& scene, int camera) {
     throw InputError(scene.name + ": another camera's view is of a scene without commands; leave @" +
                      std::to_string(camera) + " out");
   }
+  if (std::ranges::any_of(scene.triangles, &Triangle::is_line)) {
+    throw InputError(scene.name + ": another camera's view is of a scene without lines; leave @" +
+                     std::to_string(camera) + " out");
+  }
   const std::vector<Face> faces = faces_of(scene);
   double nearest = HUGE_VAL;
   double farthest = 0;

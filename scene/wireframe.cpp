@@ -50,6 +50,7 @@ Scene wireframe(Scene scene, const WireframeOptions& options) {
   std::vector<Triangle> lines = edges_of(scene.triangles);
   if (!hides_lines(options.kind)) {
     scene.triangles = std::move(lines);
+    scene.quadrics.clear();  // no triangle of theirs is left
     return scene;
   }
   const auto state = [&](std::size_t before, std::vector<StateSetting> settings) {

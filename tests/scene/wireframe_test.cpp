@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <variant>
 
+#include "scene/camera_views.hpp"
 #include "scene/plan.hpp"
 #include "tests/support/input_error.hpp"
 
@@ -54,6 +55,18 @@ TEST(Wireframe, HiddenLinesComeBehindTheTrianglesDepth) {
   EXPECT_EQ(scene.commands[1].before, 2U);
   EXPECT_TRUE(states[1].color_write);
   EXPECT_EQ(states[1].depth_bias, -7);
+}
+
+TEST(Wireframe, QuadricsWithoutTrianglesGo) {
+  Scene scene = square();
+  scene.quadrics.push_back({.first = 0, .count = 2});
+  EXPECT_TRUE(wireframe(scene, {Wireframe::all}).quadrics.empty());
+  EXPECT_EQ(wireframe(scene, {Wireframe::hidden}).quadrics, scene.quadrics);
+}
+
+TEST(Wireframe, AnotherCameraSeesNoLines) {
+  EXPECT_EQ(input_error([] { seen_from(wireframe(square(), {Wireframe::all}), 3); }),
+            "square: another camera's view is of a scene without lines; leave @3 out");
 }
 
 TEST(Wireframe, OtherCommandsAreRefused) {
