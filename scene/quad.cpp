@@ -12,8 +12,6 @@
 namespace bitspan {
 namespace {
 
-constexpr std::size_t quad_triangles_limit = 20'000'000;
-
 template <std::size_t N>
 std::array<double, N> numbers(const Section& section, std::string_view key) {
   const std::string legal = std::to_string(N) + " finite numbers";
@@ -95,11 +93,10 @@ MeshFile read_quad(const std::string& path, const ReadMesh& read_mesh) {
   }
   for (const Section& section : bodies) {
     const QuadricBody body = body_of(section, steps);
-    const auto rows = static_cast<std::size_t>(body.rows.value_or(body.steps));
-    if (out.triangles.size() + 4 * rows * static_cast<std::size_t>(body.steps) > quad_triangles_limit) {
-      section.fail(section.line(), section.path_of("steps"),
-                   "the scene has too many triangles; legal: about " + std::to_string(quad_triangles_limit) +
-                       " in all");
+    if (out.triangles.size() + most_triangles(body) > quadric_triangles_limit) {
+      section.fail(
+          section.line(), section.path_of("steps"),
+          "the scene has too many triangles; legal: " + std::to_string(quadric_triangles_limit) + " in all");
     }
     QuadricMesh made = tessellated(body);
     made.quadric.first = out.triangles.size();

@@ -117,6 +117,10 @@ double height_of(QuadricShape shape, double t, bool is_lower) {
   unreachable();
 }
 
+int rows_of(const QuadricBody& body) {
+  return body.rows.value_or(is_straight(body.shape) ? 1 : std::max(2, (body.steps + 1) / 2));
+}
+
 // Some direction across another one.
 Vec3 side_of_axis(const Vec3& axis) {
   const Vec3 x{1, 0, 0};
@@ -176,6 +180,8 @@ class Tessellation {
       q.matrix[at++] = half * y_.*part[i];
     }
     q.matrix[at] = profile_.constant;
+    squares_.matrix = q.matrix;
+    for (const std::size_t i : {3, 6, 8, 9}) squares_.matrix[i] = 0;
     // One sheet of two has planes on both sides, though only one of them cuts.
     if (is_whole_without_cuts(body_.shape) && !body_.from && !body_.to) return;
     const std::vector<Sheet> sheets = sheets_of(body_);
@@ -232,7 +238,7 @@ class Tessellation {
   }
 
   void add_wall(const Sheet& sheet) {
-    const int rows = body_.rows.value_or(is_straight(body_.shape) ? 1 : std::max(2, (body_.steps + 1) / 2));
+    const int rows = rows_of(body_);
     const bool is_lower = sheet.to <= 0;
     apex_side_ = is_lower ? -1 : 1;
     const double t_from = parameter_of(body_.shape, sheet.from);
@@ -242,7 +248,12 @@ class Tessellation {
       const double y = row == 0      ? sheet.from
                        : row == rows ? sheet.to
                                      : height_of(body_.shape, t_from + (t_to - t_from) * share, is_lower);
-      return ring(y, share);
+      std::vector<MeshCorner> out = ring(y, share);
+      for (const MeshCorner& c : out) {
+        const double off = value_at(out_.quadric, c.position - body_.centre);
+        rounding_ = std::max(rounding_, 4 * std::fabs(off) + 1e-14);
+      }
+      return out;
     };
     std::vector<MeshCorner> below = ring_at(0);
     for (int row = 1; row <= rows; ++row) {
@@ -288,14 +299,9 @@ class Tessellation {
     if (!is_wall) return;
     const std::array at{&a, &b, &c};
     for (std::size_t i = 0; i < 3; ++i) {
-      const Vec3 side = at[i]->position - at[(i + 1) % 3]->position;
-      const auto& m = out_.quadric.matrix;
-      const double d = side.x * (m[0] * side.x + 2 * (m[1] * side.y + m[2] * side.z)) +
-                       side.y * (m[4] * side.y + 2 * m[5] * side.z) + m[7] * side.z * side.z;
+      const double d = value_at(squares_, at[i]->position - at[(i + 1) % 3]->position);
       largest_dent_ = std::max(largest_dent_, d);
       largest_bulge_ = std::max(largest_bulge_, -d);
-      const double off = value_at(out_.quadric, at[i]->position - body_.centre);
-      rounding_ = std::max(rounding_, 4 * std::fabs(off) + 1e-14);
     }
   }
 
@@ -303,6 +309,7 @@ class Tessellation {
   Profile profile_;
   Vec3 x_, y_, z_;
   double apex_side_ = 1;
+  Quadric squares_;  // f without what is linear in the point
   double largest_dent_ = 0, largest_bulge_ = 0;
   double rounding_ = 0;  // of the corners' coordinates
   QuadricMesh out_;
@@ -347,7 +354,17 @@ std::string body_fault(const QuadricBody& body) {
     return fmt::format("from: {} is not below to = {}; expected from < to", *body.from, *body.to);
   }
   if (sheets_of(body).empty()) return "from, to: nothing of the body is between them; expected other heights";
+  if (most_triangles(body) > quadric_triangles_limit) {
+    return fmt::format("steps: {} makes too many triangles; expected {} at most", body.steps,
+                       quadric_triangles_limit);
+  }
   return "";
+}
+
+std::size_t most_triangles(const QuadricBody& body) {
+  const auto steps = static_cast<std::size_t>(body.steps);
+  const auto rows = static_cast<std::size_t>(rows_of(body));
+  return sheets_of(body).size() * 2 * steps * (rows + 1);  // two caps have as many as a row
 }
 
 QuadricMesh tessellated(const QuadricBody& body) {

@@ -34,9 +34,12 @@ struct QuadricBody {
       rows{};  // along it, per sheet; 1 where sections run straight, else half as many as steps
 };
 inline constexpr int quadric_steps_least = 3, quadric_steps_limit = 4096;
+inline constexpr std::size_t quadric_triangles_limit = 20'000'000;  // of all bodies of a scene
 
 // Why a body is not legal: "radii: ..."; empty where it is.
 std::string body_fault(const QuadricBody& body);
+// How many triangles a legal body has at most.
+std::size_t most_triangles(const QuadricBody& body);
 
 struct QuadricMesh {
   std::vector<MeshTriangle> triangles;
