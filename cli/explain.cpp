@@ -283,7 +283,7 @@ OracleWords ask_oracles(const ExplainArguments& o, std::span<const Oracle* const
     rows.push_back({std::string(oracle->name), fmt::format("{}", triangle),
                     fmt::format("h {:.10g}", visibility->depth_of(seen)), "-", "-", "-", "-", "-"});
     tell(*oracle, "", engine, visibility->at(*oracle, picture, of_shown, engine, o.x, o.y));
-    if (oracle->has_quadrics && !shown.quadrics.empty()) {
+    if (judges_quadrics(*oracle, *visibility)) {
       tell(*oracle, "_quadrics", engine,
            quadric_finding(*visibility, *oracle, picture, of_shown, engine, o.x, o.y));
     }

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
-#include <stdexcept>
 #include <string>
 
 #include "golden/quadric.hpp"
@@ -30,6 +29,7 @@ class QuadricJudge {
  public:
   QuadricJudge(const Visibility& visibility, const Oracle& oracle)
       : visibility_(visibility),
+        oracle_(oracle.name),
         scene_(visibility.scene()),
         body_of_(scene_.triangles.size(), no_body),
         others_(visibility.picture_without_quadrics(oracle)) {
@@ -64,8 +64,8 @@ class QuadricJudge {
     for (std::size_t k = 0; k < shells_.size(); ++k) {
       if (!golden::is_always_above(shells_[k].quadric, ray, shells_[k].high)) near_.push_back(k);
     }
-    const FirstSeen seen = first_seen(ray, other);
     const golden::Interval range = window(ray);
+    const FirstSeen seen = first_seen(ray, other, range);
     bool is_there = body == no_body;  // the triangle lies in its body's shell
     bool meets = false;               // and the ray meets the body in that part of the shell
     for (const std::size_t k : near_) {
@@ -80,7 +80,7 @@ class QuadricJudge {
         return unexplained(
             fmt::format("{} sees quadric {} at h = {:.10g} at least, and {} shows {} at "
                         "{:.10g}; the bounds are {:.4g} and {:.4g}",
-                        "ray", k, least, engine, what(), h, bounds_[k], bound));
+                        oracle_, k, least, engine, what(), h, bounds_[k], bound));
       }
     }
     if (!is_there) {
@@ -95,9 +95,9 @@ class QuadricJudge {
       const double other_bound = visibility_.bound_of(other.triangle);
       if (other_h - h > other_bound + bound) {
         return unexplained(
-            fmt::format("ray sees triangle {} at h = {:.10g}, and {} shows {} at {:.10g}; the bounds are "
+            fmt::format("{} sees triangle {} at h = {:.10g}, and {} shows {} at {:.10g}; the bounds are "
                         "{:.4g} and {:.4g}",
-                        other.triangle, other_h, engine, what(), h, other_bound, bound));
+                        oracle_, other.triangle, other_h, engine, what(), h, other_bound, bound));
       }
     }
     if (shown->triangle < 0 && seen.is_nothing()) return {PixelVerdict::background};
@@ -135,23 +135,22 @@ class QuadricJudge {
     return golden::along(shell.quadric, ray).at(t).value;
   }
 
-  FirstSeen first_seen(const golden::QuadricRay& ray, const Visible& other) const {
+  FirstSeen first_seen(const golden::QuadricRay& ray, const Visible& other,
+                       const golden::Interval& range) const {
     FirstSeen out;
     if (other.triangle >= 0) {
       const double t = t_of(other, ray);
       out = {.t = {t * (1 - same), t * (1 + same)}, .triangle = other.triangle};
     }
     for (const std::size_t k : near_) {
-      const auto hit = golden::first_hit(shells_[k].quadric, ray, window(ray));
+      const auto hit = golden::first_hit(shells_[k].quadric, ray, range);
       if (!hit || hit->t.low > out.t.high) continue;
       const bool is_as_near = hit->t.high >= out.t.low;
-      if (is_as_near && !out.is_nothing() && !(hit->t.high < out.t.high)) {
+      if (is_as_near && hit->t.high >= out.t.high) {
         out.is_open = true;
         continue;
       }
-      out = {.t = hit->t,
-             .body = static_cast<int>(k),
-             .is_open = hit->is_open || (is_as_near && !out.is_nothing())};
+      out = {.t = hit->t, .body = static_cast<int>(k), .is_open = hit->is_open || is_as_near};
     }
     return out;
   }
@@ -169,6 +168,7 @@ class QuadricJudge {
   }
 
   const Visibility& visibility_;
+  std::string_view oracle_;
   const Scene& scene_;
   std::vector<int> body_of_;     // per triangle
   std::vector<Visible> others_;  // the picture of the triangles that stand for no quadric
@@ -181,22 +181,20 @@ class QuadricJudge {
 
 }  // namespace
 
+bool judges_quadrics(const Oracle& oracle, const Visibility& visibility) {
+  const Scene& scene = visibility.scene();
+  return oracle.has_quadrics && !scene.quadrics.empty() && !goes_by_given_depth(visibility.config(), scene);
+}
+
 VisibilityReport quadric_report(const Visibility& visibility, const Oracle& oracle,
                                 std::span<const Visible> picture, const Frame& frame,
                                 std::string_view engine) {
-  if (picture.size() != frame.triangle.size()) {
-    throw std::invalid_argument("quadric_report: the engine and the oracle have pictures of two sizes");
-  }
-  VisibilityReport out = report_on(oracle, frame.width, frame.height, engine);
+  QuadricJudge judge(visibility, oracle);
+  VisibilityReport out =
+      visibility.report_of(oracle, picture, frame, engine,
+                           [&](std::int64_t x, std::int64_t y) { return judge.at(frame, engine, x, y); });
   out.oracle += "_quadrics";
   out.edges_as = "at a silhouette, or where surfaces meet";
-  QuadricJudge judge(visibility, oracle);
-  const std::vector<bool> doubt = visibility.doubtful(picture);
-  for (std::size_t i = 0; i < picture.size(); ++i) {
-    const auto x = static_cast<std::int64_t>(i) % frame.width;
-    const auto y = static_cast<std::int64_t>(i) / frame.width;
-    out.add(doubt[i] ? PixelFinding{PixelVerdict::left_out} : judge.at(frame, engine, x, y));
-  }
   out.counts = judge.counts();
   return out;
 }
@@ -204,9 +202,7 @@ VisibilityReport quadric_report(const Visibility& visibility, const Oracle& orac
 PixelFinding quadric_finding(const Visibility& visibility, const Oracle& oracle,
                              std::span<const Visible> picture, const Frame& frame, std::string_view engine,
                              std::int64_t x, std::int64_t y) {
-  if (visibility.doubtful(picture)[static_cast<std::size_t>(y * frame.width + x)]) {
-    return {PixelVerdict::left_out};
-  }
+  if (visibility.is_doubtful(picture, x, y)) return {PixelVerdict::left_out};
   return QuadricJudge(visibility, oracle).at(frame, engine, x, y);
 }
 

@@ -18,6 +18,10 @@
 
 namespace bitspan {
 
+// Whether an oracle judges quadrics of the scene. Vertices that give their depth have no distance to judge
+// by.
+bool judges_quadrics(const Oracle& oracle, const Visibility& visibility);
+
 // visibility: of a scene with quadrics. oracle: of its triangles; picture: its picture of all of them. frame:
 // of the engine. A pixel is `equal` where ray and engine see the same body and the triangle is in the shell;
 // `edge` where they see two, as the shell allows; `tie` where two surfaces are as near as the bounds tell.

@@ -59,7 +59,7 @@ std::optional<ShadowPlan> shadow_plan_of(const Config& config, const Scene& scen
         StateChange alone = *set;
         alone.settings.push_back(state_setting("texture1", -1));
         alone.settings.push_back(state_setting("color.write", 1));
-        picture.commands.push_back({.before = copied ? i - *copied : 0, .what = std::move(alone)});
+        picture.commands.push_back({.before = i, .what = std::move(alone)});
         if (copied) plan.states.push_back(state);
       } else if (const auto* copy = std::get_if<Copy>(&here.what)) {
         if (copied || copy->plane != CopyPlane::depth || !light_target || copy->target != *light_target) {
@@ -99,8 +99,7 @@ std::optional<ShadowPlan> shadow_plan_of(const Config& config, const Scene& scen
   if (target_at(scene.commands, scene.triangles.size()) != 0) return std::nullopt;
   plan.first = *copied;
   if (plan.first + plan.state_of.size() != scene.triangles.size()) return std::nullopt;
-  picture.triangles.erase(picture.triangles.begin(),
-                          picture.triangles.begin() + static_cast<std::ptrdiff_t>(plan.first));
+  erase_triangles(picture, 0, plan.first);
   for (std::size_t i = plan.first; i < mask.triangles.size(); ++i) {
     mask.triangles[i].texture = -1;
     for (Vertex& v : mask.triangles[i].v) v.c = {1, 1, 1, 1};
@@ -115,8 +114,6 @@ std::optional<ShadowPlan> shadow_plan_of(const Config& config, const Scene& scen
     }
     set->settings.push_back(state_setting("texture1.op", TextureOp::modulate));
   }
-  std::erase_if(picture.quadrics, [&](const Quadric& q) { return q.first < plan.first; });
-  move_ranges(picture.quadrics, -static_cast<std::ptrdiff_t>(plan.first));
   plan.picture = std::move(picture);
   plan.mask = std::move(mask);
   return plan;

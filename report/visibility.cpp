@@ -313,11 +313,11 @@ std::vector<Visible> Visibility::picture(const Oracle& oracle, std::vector<Oracl
 
 std::vector<Visible> Visibility::picture_without_quadrics(const Oracle& oracle) const {
   std::vector<OracleFace> faces;
+  auto quadric = scene_->quadrics.begin();
   for (const OracleFace& face : faces_) {
     const auto index = static_cast<std::size_t>(face.index);
-    const bool stands_for_one = std::ranges::any_of(
-        scene_->quadrics, [&](const Quadric& q) { return index >= q.first && index - q.first < q.count; });
-    if (!stands_for_one) faces.push_back(face);
+    while (quadric != scene_->quadrics.end() && index >= quadric->first + quadric->count) ++quadric;
+    if (quadric == scene_->quadrics.end() || index < quadric->first) faces.push_back(face);
   }
   return oracle.visible({config_, *scene_, faces, nullptr});
 }
@@ -420,9 +420,12 @@ PixelFinding Visibility::judge(const Oracle& oracle, const Visible& seen, const 
 
 PixelFinding Visibility::at(const Oracle& oracle, std::span<const Visible> picture, const Frame& frame,
                             std::string_view engine, std::int64_t x, std::int64_t y) const {
-  const auto i = static_cast<std::size_t>(y * frame.width + x);
-  if (doubtful(picture)[i]) return {PixelVerdict::left_out};
-  return judge(oracle, picture[i], frame, engine, x, y);
+  if (is_doubtful(picture, x, y)) return {PixelVerdict::left_out};
+  return judge(oracle, picture[static_cast<std::size_t>(y * frame.width + x)], frame, engine, x, y);
+}
+
+bool Visibility::is_doubtful(std::span<const Visible> picture, std::int64_t x, std::int64_t y) const {
+  return doubtful(picture)[static_cast<std::size_t>(y * scene_->width + x)];
 }
 
 VisibilityReport report_on(const Oracle& oracle, int width, int height, std::string_view engine) {
@@ -437,6 +440,14 @@ VisibilityReport report_on(const Oracle& oracle, int width, int height, std::str
 
 VisibilityReport Visibility::compare(const Oracle& oracle, std::span<const Visible> picture,
                                      const Frame& frame, std::string_view engine) const {
+  return report_of(oracle, picture, frame, engine, [&](std::int64_t x, std::int64_t y) {
+    return judge(oracle, picture[static_cast<std::size_t>(y * frame.width + x)], frame, engine, x, y);
+  });
+}
+
+VisibilityReport Visibility::report_of(
+    const Oracle& oracle, std::span<const Visible> picture, const Frame& frame, std::string_view engine,
+    const std::function<PixelFinding(std::int64_t, std::int64_t)>& judge) const {
   VisibilityReport out = report_on(oracle, frame.width, frame.height, engine);
   if (picture.size() != frame.triangle.size()) {
     throw std::invalid_argument("Visibility: the engine and the oracle have pictures of two sizes");
@@ -445,7 +456,7 @@ VisibilityReport Visibility::compare(const Oracle& oracle, std::span<const Visib
   for (std::size_t i = 0; i < picture.size(); ++i) {
     const auto x = static_cast<std::int64_t>(i) % frame.width;
     const auto y = static_cast<std::int64_t>(i) / frame.width;
-    out.add(doubt[i] ? PixelFinding{PixelVerdict::left_out} : judge(oracle, picture[i], frame, engine, x, y));
+    out.add(doubt[i] ? PixelFinding{PixelVerdict::left_out} : judge(x, y));
   }
   return out;
 }

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -114,14 +115,19 @@ class Visibility {
   // there, or what is stored is beyond its bound; then `why` says so.
   std::optional<Visible> shown(const Frame& frame, std::string_view engine, std::int64_t x, std::int64_t y,
                                std::string& why) const;
-  // The pixels where a triangle that may be killed may be seen.
-  std::vector<bool> doubtful(std::span<const Visible> picture) const;
+  // What `judge` finds of each pixel (x, y), but of those that are left out.
+  VisibilityReport report_of(const Oracle& oracle, std::span<const Visible> picture, const Frame& frame,
+                             std::string_view engine,
+                             const std::function<PixelFinding(std::int64_t, std::int64_t)>& judge) const;
+  // Whether a triangle that may be killed may be seen at a pixel.
+  bool is_doubtful(std::span<const Visible> picture, std::int64_t x, std::int64_t y) const;
   // The oracle's picture of the triangles that stand for no quadric.
   std::vector<Visible> picture_without_quadrics(const Oracle& oracle) const;
   const Config& config() const { return config_; }
   const Scene& scene() const { return *scene_; }
 
  private:
+  std::vector<bool> doubtful(std::span<const Visible> picture) const;
   PixelFinding judge(const Oracle& oracle, const Visible& seen, const Frame& frame, std::string_view engine,
                      std::int64_t x, std::int64_t y) const;
   double stored_h(std::uint32_t code) const;

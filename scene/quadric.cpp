@@ -101,8 +101,8 @@ Quadric seen_by(const MeshQuadric& quadric, const Viewpoint& view) {
   return out;
 }
 
-void move_ranges(std::vector<Quadric>& quadrics, std::ptrdiff_t by) {
-  for (Quadric& q : quadrics) q.first += static_cast<std::size_t>(by);
+void move_ranges(std::vector<Quadric>& quadrics, std::size_t by) {
+  for (Quadric& q : quadrics) q.first += by;
 }
 
 }  // namespace bitspan

@@ -45,6 +45,6 @@ std::string quadric_fault(const Quadric& quadric);
 std::string ranges_fault(std::span<const Quadric> quadrics, std::size_t triangles);
 
 // Moves the ranges of triangles by `by`, where as many have been put in front of all others.
-void move_ranges(std::vector<Quadric>& quadrics, std::ptrdiff_t by);
+void move_ranges(std::vector<Quadric>& quadrics, std::size_t by);
 
 }  // namespace bitspan

@@ -261,7 +261,7 @@ Scene shadowed(Scene scene, std::span<const Face> casters, const ShadowOptions& 
     give_projection({&passes.back().triangles.back(), 1}, scene, light, bias.nearer);
   }
   scene.triangles.clear();
-  move_ranges(scene.quadrics, static_cast<std::ptrdiff_t>(passes.front().triangles.size()));
+  move_ranges(scene.quadrics, passes.front().triangles.size());
   flatten(passes, scene);
   return scene;
 }
