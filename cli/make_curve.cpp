@@ -29,11 +29,6 @@ struct CurveArguments {
   int point_bits = 16;
 };
 
-template <class E>
-std::vector<std::string> names_of() {
-  return {enum_names<E>.begin(), enum_names<E>.end()};
-}
-
 // The points of a curve, a joint once.
 struct CurvePoints {
   std::vector<Vec3> points;

@@ -80,6 +80,7 @@ class Numbered {
 };
 
 int make_quadric(const QuadricArguments& o) {
+  check_output(o.output);
   const QuadricBody body = body_of(o);
   if (const std::string fault = body_fault(body); !fault.empty()) throw InputError("make quadric: " + fault);
   const QuadricMesh mesh = tessellated(body);
@@ -118,8 +119,7 @@ void add_make_quadric(CLI::App& make, Action& action) {
   const auto o = std::make_shared<QuadricArguments>();
   sub->add_option("shape", o->shape, "the body; hyperboloid_two has two sheets")
       ->required()
-      ->check(CLI::IsMember(
-          std::vector<std::string>{enum_names<QuadricShape>.begin(), enum_names<QuadricShape>.end()}));
+      ->check(CLI::IsMember(names_of<QuadricShape>()));
   sub->add_option("-o,--output", o->output,
                   "OBJ to write; where it ends in .quad, a scene of this body, which rays know")
       ->required();

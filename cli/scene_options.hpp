@@ -92,6 +92,12 @@ E choice(const std::optional<std::string>& text, const char* flag) {
   return static_cast<E>(found - enum_names<E>.begin());
 }
 
+// The names that an option takes, for its check.
+template <class E>
+std::vector<std::string> names_of() {
+  return {enum_names<E>.begin(), enum_names<E>.end()};
+}
+
 struct LoadedScene {
   Scene scene;
   std::optional<ProjectReport> faces;  // what became of a mesh's faces

@@ -215,7 +215,7 @@ void compare_oracles(const VerifyOptions& options, const Scene& scene, const Eng
     }
     const std::size_t seen = v.oracles.size();
     v.oracles.push_back(std::move(report));
-    if (oracle->has_quadrics && !shown.quadrics.empty()) {
+    if (judges_quadrics(*oracle, *visibility)) {
       v.oracles.push_back(quadric_report(*visibility, *oracle, picture, frame, engine.name()));
     }
     if (plan && oracle->has_shadows) {
@@ -274,17 +274,10 @@ struct Total {
 Total total_of(const SceneVerdict& v, std::size_t p) {
   const Comparison& pair = v.run.pairs[p];
   Total out{pair.total(), v.own[p].total()};
-  const auto add = [&out](const StageCount& more) {
-    out.count.records += more.records;
-    out.count.values += more.values;
-    out.count.non_trivial += more.non_trivial;
-    out.count.differences += more.differences;
-    out.count.unmatched += more.unmatched;
-  };
-  add(pair.frame);
-  add(pair.counters);
+  out.count += pair.frame;
+  out.count += pair.counters;
   if (v.resolved.empty()) return out;
-  add(v.resolved[p].count);
+  out.count += v.resolved[p].count;
   out.own += v.resolved[p].own;
   return out;
 }

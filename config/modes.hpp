@@ -119,6 +119,10 @@ constexpr bool has_plane_rows(Perspective p) {
   }
   unreachable();
 }
+// Pixels follow a digital line: rows of constant depth, or those of lines.
+constexpr bool has_digital_line(const Config& config) {
+  return has_plane_rows(config.perspective) || has_line_slope(config.line_walk);
+}
 
 // u and v themselves are interpolated along a row, so that a pixel takes no division.
 constexpr bool has_linear_texture(Perspective p) {

@@ -68,8 +68,6 @@ BandedPlan banded_plan(const Scene& scene) {
   return out;
 }
 
-bool has_bands(const Engine& engine) { return dynamic_cast<const BandEngine*>(&engine) != nullptr; }
-
 BandedEngine::BandedEngine(std::unique_ptr<Engine> inner, const Config& config)
     : inner_(std::move(inner)),
       bands_(dynamic_cast<BandEngine*>(inner_.get())),
@@ -209,6 +207,12 @@ BufferBits buffer_bits(const Config& config, const Frame& frame) {
   return out;
 }
 
+void BandedRun::add(const BandedEngine& engine, int height) {
+  put_band(engine.frame(), height, picture);
+  counters += engine.counters();
+  work += engine.work();
+}
+
 BandedRun run_in_bands(BandedEngine& engine, const Scene& scene, int rows,
                        const std::function<void(int)>& done) {
   const BandedPlan plan = banded_plan(scene);
@@ -217,9 +221,7 @@ BandedRun run_in_bands(BandedEngine& engine, const Scene& scene, int rows,
     engine.set_band(plan, band_of(plan.height, rows, b));
     engine.begin(scene);
     draw_scene(engine, scene, 0, scene.triangles.size(), nullptr);
-    put_band(engine.frame(), plan.height, out.picture);
-    out.counters += engine.counters();
-    out.work += engine.work();
+    out.add(engine, plan.height);
     done(b);
   }
   return out;

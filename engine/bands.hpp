@@ -136,9 +136,6 @@ class BandedEngine final : public Engine {
   mutable Counters counters_;  // those of `inner_` without these
 };
 
-// Whether an engine has bands.
-bool has_bands(const Engine& engine);
-
 // The bands of a picture from top to bottom. rows: of each but the last, which may have fewer; 1 at least.
 int number_of_bands(int height, int rows);
 RowRange band_of(int height, int rows, int band);
@@ -161,6 +158,9 @@ struct BandedRun {
   Frame picture;
   Counters counters;
   BandWork work;
+
+  // What the engine has done of its band, of a picture of that height.
+  void add(const BandedEngine& engine, int height);
 };
 // Draws a scene in bands of so many rows; done(b) is called behind band b. Throws InputError as banded_plan
 // and the engine do.

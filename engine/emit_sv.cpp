@@ -178,7 +178,7 @@ std::string emit_sv(const Config& config) {
   check_operand(pixel, "reciprocal.pixel");
   check_operand(row, "reciprocal.row");
   const bool const_rows = has_plane_rows(config.perspective);
-  if ((const_rows || has_line_slope(config.line_walk)) && config.format(FormatId::plane_k).fraction() < 1) {
+  if (has_digital_line(config) && config.format(FormatId::plane_k).fraction() < 1) {
     throw InputError("formats.plane.k: needs at least 1 fraction bit in the RTL");
   }
 
@@ -194,7 +194,7 @@ std::string emit_sv(const Config& config) {
   w.line("package bitspan_cfg_pkg;");
   w.integer("ConstDepthRows", const_rows ? 1 : 0);
   w.line("  // Pixels follow a digital line: rows of constant depth, or those of lines.");
-  w.integer("DigitalLine", const_rows || has_line_slope(config.line_walk) ? 1 : 0);
+  w.integer("DigitalLine", has_digital_line(config) ? 1 : 0);
   w.line("  // u and v are linear along a row; or quotients per pixel; or else products with a reciprocal.");
   w.integer("LinearTexture", has_linear_texture(config.perspective) ? 1 : 0);
   w.integer("PixelQuotients", has_pixel_quotients(config.perspective) ? 1 : 0);

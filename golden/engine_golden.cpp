@@ -380,21 +380,16 @@ class GoldenEngine final : public Engine, public RowEngine, public BandEngine {
   void draw_planes(const SetupRecord& setup, const Texture* texture, Trace& out) {
     plane_walk_(setup, channels_, planes_);
     of_triangle().divides_edge += 2 * lines() + 1;  // gradients and k
-    if (again_) return draw_planes_again(texture, out);
-    out.setup_channel.insert(out.setup_channel.end(), channels_.begin(), channels_.end());
-    out.plane.push_back(planes_.plane);
-    out.plane_row.insert(out.plane_row.end(), planes_.rows.begin(), planes_.rows.end());
-    const std::size_t first_span = out.span.size();
-    for (const PlaneRowRecord& row : planes_.rows) out.span.push_back(span_of(row));
-    out.span_channel.insert(out.span_channel.end(), planes_.channels.begin(), planes_.channels.end());
-    draw_spans(first_span, {.plane = &planes_.plane, .covered = planes_.covered}, texture, out);
-  }
-
-  // What is once per row another band has delivered.
-  void draw_planes_again(const Texture* texture, Trace& out) {
-    again_spans_.clear();
-    for (const PlaneRowRecord& row : planes_.rows) again_spans_.push_back(span_of(row));
-    draw_spans(again_spans_, planes_.channels, {.plane = &planes_.plane, .covered = planes_.covered}, texture,
+    plane_spans_.clear();
+    for (const PlaneRowRecord& row : planes_.rows) plane_spans_.push_back(span_of(row));
+    if (!again_) {  // else another band has delivered what is once per row
+      out.setup_channel.insert(out.setup_channel.end(), channels_.begin(), channels_.end());
+      out.plane.push_back(planes_.plane);
+      out.plane_row.insert(out.plane_row.end(), planes_.rows.begin(), planes_.rows.end());
+      out.span.insert(out.span.end(), plane_spans_.begin(), plane_spans_.end());
+      out.span_channel.insert(out.span_channel.end(), planes_.channels.begin(), planes_.channels.end());
+    }
+    draw_spans(plane_spans_, planes_.channels, {.plane = &planes_.plane, .covered = planes_.covered}, texture,
                out);
   }
 
@@ -768,7 +763,7 @@ class GoldenEngine final : public Engine, public RowEngine, public BandEngine {
   bool again_ = false;        // the triangle under way is another band's, too
   Counters elsewhere_;        // what that one counts
   std::uint64_t rows_above_ = 0;
-  std::vector<SpanRecord> again_spans_;  // of the triangle under way, where again_ has planes
+  std::vector<SpanRecord> plane_spans_;  // of the triangle under way
   DrawState state_;
   bool back_ = false;  // the triangle is a back face
 };

@@ -20,18 +20,10 @@ std::uint64_t mixed(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-void add_up(const StageCount& more, StageCount& into) {
-  into.records += more.records;
-  into.values += more.values;
-  into.non_trivial += more.non_trivial;
-  into.differences += more.differences;
-  into.unmatched += more.unmatched;
-}
-
 void add_up(const Comparison& more, Comparison& into) {
-  for (std::size_t t = 0; t < into.stages.size(); ++t) add_up(more.stages[t], into.stages[t]);
-  add_up(more.frame, into.frame);
-  add_up(more.counters, into.counters);
+  for (std::size_t t = 0; t < into.stages.size(); ++t) into.stages[t] += more.stages[t];
+  into.frame += more.frame;
+  into.counters += more.counters;
   if (!into.first) into.first = more.first;
   if (into.fault.empty()) into.fault = more.fault;
 }
@@ -122,9 +114,7 @@ BandReport compare_bands(std::vector<std::unique_ptr<Engine>> engines, const Con
       if (!run.stopped && banded[p + 1]->work() != banded[0]->work())
         fail("they do not repeat the same work");
     }
-    put_band(banded[0]->frame(), plan.height, all.picture);
-    all.counters += banded[0]->counters();
-    all.work += banded[0]->work();
+    all.add(*banded[0], plan.height);
     if (!out.held()) break;
     done(b);
   }

@@ -252,6 +252,15 @@ void compare_plane(const std::vector<T>& a, const std::vector<T>& b, std::size_t
 
 }  // namespace
 
+StageCount& StageCount::operator+=(const StageCount& more) {
+  records += more.records;
+  values += more.values;
+  non_trivial += more.non_trivial;
+  differences += more.differences;
+  unmatched += more.unmatched;
+  return *this;
+}
+
 std::uint64_t Comparison::differences() const {
   const StageCount all = total();
   return all.differences + all.unmatched + frame.differences + frame.unmatched + counters.differences +
@@ -260,13 +269,7 @@ std::uint64_t Comparison::differences() const {
 
 StageCount Comparison::total() const {
   StageCount sum;
-  for (const StageCount& stage : stages) {
-    sum.records += stage.records;
-    sum.values += stage.values;
-    sum.non_trivial += stage.non_trivial;
-    sum.differences += stage.differences;
-    sum.unmatched += stage.unmatched;
-  }
+  for (const StageCount& stage : stages) sum += stage;
   return sum;
 }
 

@@ -44,6 +44,8 @@ struct StageCount {
   std::uint64_t non_trivial = 0;  // values of the reference that are neither 0 nor those of the record before
   std::uint64_t differences = 0;  // values that differ
   std::uint64_t unmatched = 0;    // records that only one side delivered
+
+  StageCount& operator+=(const StageCount& more);
 };
 
 // What became of one pair of engines, over any number of batches.

@@ -343,9 +343,7 @@ EngineOwn rtl_own(const Config& config, const Scene& scene) {
   fields_of_type(RecordType::fragment) += shades(0 BITSPAN_RTL_PIXEL_SHADES(BITSPAN_COUNT_PORT));
 #undef BITSPAN_COUNT_PORT
   // Elsewhere step_o is always 0, and a fragment's y is its row's.
-  if (!has_plane_rows(config.perspective) && !has_line_slope(config.line_walk)) {
-    --fields_of_type(RecordType::fragment);
-  }
+  if (!has_digital_line(config)) --fields_of_type(RecordType::fragment);
   if (ChannelList(config).size() > 0) {
     // x, w and its two steps; of a pixel x and w, and y where it is not its row's.
     fields_of_type(RecordType::span_channel) = 4;
