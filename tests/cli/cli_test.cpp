@@ -784,18 +784,19 @@ TEST_F(Cli, AnySceneHasShadows) {
 
 TEST_F(Cli, WireFramesAreDrawn) {
   const std::string size = " --size 96x72";
-  ASSERT_EQ(run("render floor -o solid.png" + size).code, 0);
-  ASSERT_EQ(run("render floor -o all.png --wireframe all" + size).code, 0);
-  ASSERT_EQ(run("render floor -o hidden.png --wireframe hidden --emit-tri h.tri" + size).code, 0);
+  const std::string spot = source_path("tests/data/spot.obj");
+  ASSERT_EQ(run("render " + spot + " -o solid.png" + size).code, 0);
+  ASSERT_EQ(run("render " + spot + " -o all.png --wireframe all" + size).code, 0);
+  ASSERT_EQ(run("render " + spot + " -o hidden.png --wireframe hidden --emit-tri h.tri" + size).code, 0);
   EXPECT_NE(folder.read("solid.png"), folder.read("all.png"));
   EXPECT_NE(folder.read("all.png"), folder.read("hidden.png"));
   EXPECT_NE(folder.read("h.tri").find("{\"l\":"), std::string::npos);
-  const Result held = run("verify floor --engines golden,model --wireframe hidden" + size);
+  const Result held = run("verify " + spot + " --engines golden,model --wireframe hidden" + size);
   EXPECT_EQ(held.code, 0) << held.out << held.err;
   EXPECT_NE(held.out.find("line_walk"), std::string::npos) << held.out;
   const std::string bias = "--wireframe-bias: is of hidden lines; give --wireframe hidden too";
   stream("a.tri");
-  for (const std::string scene : {"floor", "a.tri"}) {
+  for (const std::string scene : {spot, std::string("a.tri")}) {
     refused("render " + scene + " -o a.png --wireframe-bias 3", bias);
     refused("render " + scene + " -o a.png --wireframe all --wireframe-bias 3", bias);
     refused("render " + scene + " -o a.png --wireframe some", "--wireframe");
