@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // All oracles of the truth over the same random streams.
 #include <gtest/gtest.h>
+#include <tbb/parallel_for.h>
 
 #include <chrono>
 #include <map>
+#include <mutex>
 
 #include "tests/oracles/oracle_support.hpp"
 #include "tests/support/long_run.hpp"
@@ -22,7 +24,8 @@ std::map<std::string, StreamCounts> over_streams(std::uint64_t streams, std::uin
                                                  const RandomOptions& options) {
   const std::vector<Config> configs = shipped_configs();
   std::map<std::string, StreamCounts> out;
-  for (std::uint64_t seed = first_seed; seed < first_seed + streams; ++seed) {
+  std::mutex out_lock;
+  tbb::parallel_for(first_seed, first_seed + streams, [&](std::uint64_t seed) {
     const Config& config = configs[seed % configs.size()];
     const Scene scene = random_scene(seed, options);
     const Frame frame = test::drawn_by("model", config, scene);
@@ -33,17 +36,18 @@ std::map<std::string, StreamCounts> over_streams(std::uint64_t streams, std::uin
       const VisibilityReport report = visibility.compare(oracle, visibility.picture(oracle), frame, "model");
       EXPECT_EQ(report.unexplained, 0U)
           << oracle.name << ", " << config.name << ", seed " << seed << ": " << report.first;
+      const std::scoped_lock lock(out_lock);
       StreamCounts& counts = out[std::string(oracle.name)];
       counts.compared += report.compared();
       counts.ties += report.ties;
       counts.unexplained += report.unexplained;
     }
-  }
+  });
   return out;
 }
 
-// BITSPAN_LONG asks for 10^4 streams and more than 10^9 pixels, which take more than an hour. Code with
-// sanitizers has a twentieth of them.
+// BITSPAN_LONG asks for 10^4 streams and more than 10^9 pixels, which take more than an hour of a core. Code
+// with sanitizers has a twentieth of them.
 #ifdef __SANITIZE_ADDRESS__
 constexpr std::uint64_t long_streams = 500;
 #else
