@@ -332,7 +332,7 @@ int render(const RenderArguments& o) {
   check_writable(o.emit_tri);
   check_dump(o.dump);
   if (stereo) return render_stereo(o, *stereo, config, view, names[0], how);
-  // What is emitted is wanted whole, and what is drawn several times.
+  // A scene that is emitted, or drawn once per band, is wanted whole.
   SceneSource source = o.emit_tri.empty() && bands.empty() ? open_scene(o.scene, view)
                                                            : SceneSource(load_scene(o.scene, view));
   const Scene& scene = source.scene();
@@ -436,9 +436,9 @@ void add_render(CLI::App& app, Action& action) {
   sub->add_option("--config", o->config, "shipped name or TOML file")->capture_default_str();
   sub->add_option(
          "--engine", o->engine,
-         "golden, model, systemc, rtl, ideal or dut:NAME; or oracle:NAME, what an oracle of verify "
-         "--oracles sees, each triangle in the mean colour of its vertices times the texel in its middle; "
-         "of one of edges white lines")
+         "golden, model, systemc, rtl, ideal or dut:NAME; or oracle:NAME, what an oracle sees: each "
+         "triangle in the mean colour of its vertices times the texel in its middle, or white lines where "
+         "it is an oracle of edges")
       ->capture_default_str();
   sub->add_flag("--statistics", o->statistics,
                 "range, bits used, saturations, wraps and bias of each register");

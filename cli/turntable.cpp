@@ -62,7 +62,7 @@ void turn_mesh(Mesh& mesh, Camera& camera, const Turn& turn, const RotateFormats
       set_normal(corner, of_length_1(n));
     }
   }
-  mesh.quadrics.clear();  // stand where their triangles were
+  mesh.quadrics.clear();  // they would stand where their triangles were
 }
 
 std::string numbered_output(const std::string& path, const Turn& turn) {

@@ -104,11 +104,11 @@ struct SceneRun {
 bool coverage_is_exact(const Config& config);
 
 // Runs and judges. Fails where a value differs, where the cycles do, and where coverage that is exact by
-// configuration differs from the exact test, and where a pixel differs from an oracle's, unexplained, and
-// where bands have another picture, records or counters than the whole. Fails
-// too where the verdict would be empty: neither a pair of engines nor an oracle of the truth, an engine or an
-// oracle named that does not run the configuration, a pair without non-trivial values, a scene that covers no
-// pixel, a stage that no pixel reaches. Throws InputError for bad input.
+// configuration differs from the exact test. Fails where a pixel differs from an oracle's, unexplained, and
+// where bands have another picture, records or counters than the whole. Fails too where the
+// verdict would be empty: neither a pair of engines nor an oracle of the truth, an engine or an oracle named
+// that does not run the configuration, a pair without non-trivial values, a scene that covers no pixel, a
+// stage that no pixel reaches. Throws InputError for bad input.
 // A source in pieces does where needs_whole_scene is false.
 SceneRun verify_scene(const Config& config, SceneSource& source, const VerifyOptions& options,
                       const RunLabel& label);

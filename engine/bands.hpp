@@ -40,7 +40,7 @@ struct Band {
 class BandEngine {
  public:
   virtual ~BandEngine() = default;
-  // As Engine::begin, which is of whole pictures; until the next of both. While the band's target is drawn
+  // As Engine::begin, for one band: holds until either is called again. While the band's target is drawn
   // on, frame() has the rows of the band, and draw() makes, delivers and counts these rows alone.
   virtual void begin_band(const Scene& scene, const Band& band) = 0;
   // As draw(), of triangles that another band delivers and counts: without what there is per triangle and

@@ -13,8 +13,8 @@ inline constexpr int translucency_pass_limit = 255;
 // to front, a layer of each pixel at a time: at most two passes more than a pixel has layers, as the
 // engine finds them while it draws the plan. It makes passes of the triangles behind the last command. What
 // was drawn on other targets in front of it, as a shadow map, stays, and the draw state holds in all passes.
-// The engine is begun anew. Throws InputError where their target has had something before, and where the
-// passes do not suffice.
+// The engine is begun anew. Throws InputError where the target of these triangles was drawn on or cleared
+// before, and where the passes do not suffice.
 Scene in_translucency_passes(Scene scene, Engine& engine);
 
 }  // namespace bitspan

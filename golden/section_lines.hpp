@@ -52,7 +52,7 @@ struct SectionLines {
 // Cuts the faces at `count` distances, which are spaced evenly in 1/S. Points of the lines are rounded to
 // their unit. side_edges: whether there are any. count: at least 1.
 SectionLines section_lines(std::span<const OracleFace> faces, int count, bool side_edges = true);
-// How many sections a picture has: one per eight rows.
+// How many sections a picture has: one per eight rows, and two at least.
 int section_count(const Scene& scene);
 // Why a scene has no section lines; empty where it has.
 std::string refuses_lines(const Config& config, const Scene& scene);

@@ -145,8 +145,8 @@ struct Rows {
   void clear();
 };
 
-// Where what there is once per triangle goes, or once per edge, and in const_depth_rows once per row: in a
-// run of bands that is elsewhere in all of them but one.
+// Takes what is made once per triangle or edge, and in const_depth_rows once per row. A band that makes it
+// again gives other counters here, and no trace.
 struct OncePerTriangle {
   Counters& counters;
   Trace* trace;
@@ -378,7 +378,7 @@ std::vector<PlaneRowRecord> plane_rows(const Pipeline& pipeline, const SetupReco
 // winners: with the planes u, v and triangle; else they are empty.
 void clear_frame(const Pipeline& pipeline, const Scene& scene, bool winners, Frame& frame);
 Frame cleared_frame(const Pipeline& pipeline, const Scene& scene);
-// Gives the frame of the target drawn on the size of the scene's view, another one than before, cleared.
+// Clears the frame of the target drawn on, in the size of the scene's view, which has become another one.
 void resize_frame(const Pipeline& pipeline, const Scene& scene, Frame& frame);
 // Takes target k in the frame's place, cleared where it has not been drawn on, and with a stencil plane where
 // that is tested. Throws InputError where k is not below target_limit.

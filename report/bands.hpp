@@ -17,7 +17,7 @@
 namespace bitspan {
 
 // The records of each stage in any order: how many, and the sum of their hashes. Equal sets have equal
-// digests; of two sets that differ by chance one in 2^64 pairs has.
+// digests; two sets that differ have them by chance alone, one pair in 2^64.
 class RecordDigest {
  public:
   void add(const Trace& trace);

@@ -65,7 +65,7 @@ struct ShadeTextures {
   std::vector<std::vector<ShadeTexture>> levels;  // of each, from level 1 on; empty without mip chains
 };
 
-// Prepared once per scene, which must outlive it; textures when they are drawn with.
+// Prepared once per scene, which must outlive it. Its textures are made ready when they are drawn with.
 struct ShadePlan {
   ShadeLanes held_in = ShadeLanes::scalar;
   bool holds_any = false;     // what shade_any computes besides fits the same lanes
