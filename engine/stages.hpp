@@ -46,7 +46,7 @@ inline constexpr std::optional<Stage> no_clock;
   ROW(X, RowChannelRecord, BITSPAN_ROW_CHANNEL_RECORD, "edge_walk.channel", row_channel, Stage::edge_walk, row, setup_channel, row) \
   ROW(X, PlaneRecord,     BITSPAN_PLANE_RECORD,     "plane_walk",     plane,     Stage::edge_walk,  triangle, setup)     \
   ROW(X, PlaneRowRecord,  BITSPAN_PLANE_ROW_RECORD, "plane_walk.row", plane_row, Stage::edge_walk,  row,      plane)     \
-  ROW(X, LineWalkRecord,  BITSPAN_LINE_WALK_RECORD, "line_walk",      line_walk, Stage::edge_walk,  row,      setup)     \
+  ROW(X, LineWalkRecord,  BITSPAN_LINE_WALK_RECORD, "line_walk",      line_walk, Stage::edge_walk,  triangle, setup)     \
   ROW(X, SpanRecord,      BITSPAN_SPAN_RECORD,      "span_setup",     span,      Stage::span_setup, row,      setup_plane, row, plane_row, line_walk) \
   ROW(X, SpanChannelRecord, BITSPAN_SPAN_CHANNEL_RECORD, "span_setup.channel", span_channel, Stage::span_setup, row, setup_channel, row_channel, span) \
   ROW(X, FragmentRecord,  BITSPAN_FRAGMENT_RECORD,  "span",           fragment,  Stage::span,       pixel,    span)      \

@@ -99,8 +99,6 @@ std::vector<std::size_t> feeders_in(const Trace& trace, const RecordView& feeder
         const bool known = fed.ordinal && *fed.ordinal < feeders.records;
         return known ? std::vector{*fed.ordinal} : std::vector<std::size_t>{};
       }
-      // A line is one row.
-      if (feeders.type == RecordType::line_walk) return with_same(feeders, fed, {"triangle"});
       if (feeders.type == RecordType::span && fed.type == RecordType::fragment && fed.ordinal) {
         return span_of_fragment(trace, *fed.ordinal);
       }

@@ -25,7 +25,7 @@ namespace bitspan::model {
 struct SpanDraw {
   std::int32_t texture = -1;
   // None of its fragments can be killed and all are opaque: they may share a block with other triangles', and
-  // their depth is stored when it is tested. In another state than the first one depth alone decides besides.
+  // their depth is stored when it is tested. In draw states other than the first, depth alone decides, too.
   bool shared = false;
   bool back = false;       // a back face; told only where the stencil test asks
   bool is_unseen = false;  // none of its fragments can be killed, and the draw state writes depth alone
