@@ -22,7 +22,6 @@ class BoxTree {
   using Box = boost::geometry::model::box<Place>;
   using Entry = std::pair<Box, std::uint32_t>;
 
-  BoxTree() = default;
   explicit BoxTree(const std::vector<Entry>& entries) : boxes_(entries) {}
   // Those that a place or a box touches, in no order.
   template <class Geometry>

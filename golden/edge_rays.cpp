@@ -9,12 +9,11 @@
 
 namespace bitspan::golden {
 
-struct EdgeRays::Tree {
-  BoxTree boxes;
+struct EdgeRays::Tree : BoxTree {
+  using BoxTree::BoxTree;
 };
 
-EdgeRays::EdgeRays(const Scene& scene, std::span<const std::int32_t> triangles)
-    : tree_(std::make_unique<Tree>()) {
+EdgeRays::EdgeRays(const Scene& scene, std::span<const std::int32_t> triangles) {
   std::vector<BoxTree::Entry> entries;
   for (const std::int32_t index : triangles) {
     std::array<EyePoint, 3> v;
@@ -54,7 +53,7 @@ EdgeRays::EdgeRays(const Scene& scene, std::span<const std::int32_t> triangles)
                          static_cast<std::uint32_t>(screens_.size()));
     screens_.push_back(screen);
   }
-  tree_->boxes = BoxTree(entries);
+  tree_ = std::make_unique<Tree>(entries);
 }
 EdgeRays::~EdgeRays() = default;
 
@@ -62,7 +61,7 @@ Sight EdgeRays::at(const EyePoint& point, std::span<const std::int32_t> on) cons
   const BoxTree::Place place(static_cast<double>(point.x / point.z), static_cast<double>(point.y / point.z));
   const long double distance = length(point);
   Sight out = Sight::seen;
-  for (const auto& [box, index] : tree_->boxes.touching(place)) {
+  for (const auto& [box, index] : tree_->touching(place)) {
     const Screen& screen = screens_[index];
     if (std::ranges::binary_search(on, screen.triangle)) continue;
     long double least = dot(screen.plane, point) + screen.offset;

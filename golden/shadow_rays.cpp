@@ -123,26 +123,25 @@ Receiver receiver_at(const std::array<std::array<double, 3>, 3>& xyw, const std:
   return {p[0] / p[2], p[1] / p[2], n[0] / d, n[1] / d, n[2] / d};
 }
 
-struct ShadowRays::Tree {
-  BoxTree boxes;
+struct ShadowRays::Tree : BoxTree {
+  using BoxTree::BoxTree;
 };
 
-ShadowRays::ShadowRays(std::span<const Caster> casters)
-    : casters_(casters.begin(), casters.end()), tree_(std::make_unique<Tree>()) {
+ShadowRays::ShadowRays(std::span<const Caster> casters) : casters_(casters.begin(), casters.end()) {
   std::vector<BoxTree::Entry> entries;
   for (std::size_t i = 0; i < casters_.size(); ++i) {
     const auto [x_low, x_high] = std::ranges::minmax(casters_[i].x);
     const auto [y_low, y_high] = std::ranges::minmax(casters_[i].y);
     entries.emplace_back(BoxTree::Box{{x_low, y_low}, {x_high, y_high}}, static_cast<std::uint32_t>(i));
   }
-  tree_->boxes = BoxTree(entries);
+  tree_ = std::make_unique<Tree>(entries);
 }
 ShadowRays::~ShadowRays() = default;
 
 Lit ShadowRays::at(const Receiver& r, double reach, double margin) const {
   const Square square{r.x, r.y, reach};
   const std::vector<BoxTree::Entry> found =
-      tree_->boxes.touching(BoxTree::Box{{r.x - reach, r.y - reach}, {r.x + reach, r.y + reach}});
+      tree_->touching(BoxTree::Box{{r.x - reach, r.y - reach}, {r.x + reach, r.y + reach}});
   // The surface itself, and what the comparison takes for it where that is farther.
   double share = 1;
   double least_apart = HUGE_VAL;

@@ -181,7 +181,7 @@ class Tessellation {
     }
     q.matrix[at] = profile_.constant;
     squares_.matrix = q.matrix;
-    for (const std::size_t i : {3, 6, 8, 9}) squares_.matrix[i] = 0;
+    for (const std::size_t i : std::array<std::size_t, 4>{3, 6, 8, 9}) squares_.matrix[i] = 0;
     // One sheet of two has planes on both sides, though only one of them cuts.
     if (is_whole_without_cuts(body_.shape) && !body_.from && !body_.to) return;
     const std::vector<Sheet> sheets = sheets_of(body_);
