@@ -796,7 +796,7 @@ TEST_F(Cli, WireFramesAreDrawn) {
   EXPECT_NE(held.out.find("line_walk"), std::string::npos) << held.out;
   const std::string bias = "--wireframe-bias: is of hidden lines; give --wireframe hidden too";
   stream("a.tri");
-  for (const std::string scene : {spot, std::string("a.tri")}) {
+  for (const std::string& scene : {spot, std::string("a.tri")}) {
     refused("render " + scene + " -o a.png --wireframe-bias 3", bias);
     refused("render " + scene + " -o a.png --wireframe all --wireframe-bias 3", bias);
     refused("render " + scene + " -o a.png --wireframe some", "--wireframe");
