@@ -428,7 +428,7 @@ class VectorModel {
     run_.deliver_constants(trace);
     const Way way = find_way(trace != nullptr || statistics != nullptr);
     if (way == Way::scalar) return draw_scalar(triangles, first_index, again, trace, statistics);
-    select_textures(plan_, run_.pipeline, *run_.scene, {});
+    select_textures(plan_, run_.pipeline, *run_.scene);
     if (run_.pipeline.texture_second.is_on()) prepare_second_texture(plan_);
     const auto draw_chunk = [&](std::size_t at, std::size_t n) {
       std::visit(

@@ -469,8 +469,7 @@ void need_texture(ShadePlan& plan, const Pipeline& pipeline, const Scene& scene,
   }
 }
 
-void select_textures(ShadePlan& plan, const Pipeline& pipeline, const Scene& scene,
-                     std::span<const Triangle> triangles) {
+void select_textures(ShadePlan& plan, const Pipeline& pipeline, const Scene& scene) {
   const auto select = [&](std::size_t unit, const TextureStage& stage, bool compared) {
     plan.of_unit[unit] = textures_by(plan, pipeline, scene, stage.lookup, compared);
     plan.magnified_of_unit[unit] = textures_by(plan, pipeline, scene, stage.magnified, compared);
@@ -480,12 +479,6 @@ void select_textures(ShadePlan& plan, const Pipeline& pipeline, const Scene& sce
   if (second.is_on()) {
     select(1, second.fetch, second.compares);
     need_texture(plan, pipeline, scene, 1, pipeline.state.texture1);
-  }
-  int last = -1;
-  for (const Triangle& triangle : triangles) {
-    if (triangle.texture == last) continue;
-    last = triangle.texture;
-    need_texture(plan, pipeline, scene, 0, last);
   }
 }
 

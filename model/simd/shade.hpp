@@ -6,7 +6,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "config/config.hpp"
@@ -111,9 +110,9 @@ ShadePlan prepare_shade(const Pipeline& pipeline, const Config& config, const Sc
 // Brings the plan to what the scene has become since that version of it; the pipeline is there already.
 void update_shade(ShadePlan& plan, const Pipeline& pipeline, const Config& config, const DrawnScene& scene,
                   std::uint64_t since);
-// To be called before blocks of these triangles are shaded in a draw state, which the pipeline has.
-void select_textures(ShadePlan& plan, const Pipeline& pipeline, const Scene& scene,
-                     std::span<const Triangle> triangles);
+// To be called before blocks are shaded in a draw state, which the pipeline has. The second unit's texture is
+// ready then; those of the first are so by need_texture.
+void select_textures(ShadePlan& plan, const Pipeline& pipeline, const Scene& scene);
 // Makes a texture ready for a unit of the state that was selected, if it is not; its number may be anything.
 void need_texture(ShadePlan& plan, const Pipeline& pipeline, const Scene& scene, std::size_t unit,
                   int texture);

@@ -55,7 +55,10 @@ class Workload::Batch final : model::BlockSink<std::int64_t> {
   }
 
   void start(std::span<const Triangle> triangles, std::int64_t first_index) {
-    model::select_textures(plan_, run_.pipeline, *run_.scene, triangles);
+    model::select_textures(plan_, run_.pipeline, *run_.scene);
+    for (const Triangle& t : triangles) {
+      model::need_texture(plan_, run_.pipeline, *run_.scene, 0, t.texture);
+    }
     to_draw_ = triangles;
     first_index_ = first_index;
     draws_.clear();

@@ -109,7 +109,7 @@ struct Case {
 // With every texture ready for the first unit.
 ShadePlan ready_plan(const Pipeline& pipeline, const Config& config, const Scene& scene) {
   ShadePlan plan = prepare_shade(pipeline, config, scene);
-  select_textures(plan, pipeline, scene, {});
+  select_textures(plan, pipeline, scene);
   for (int texture = 0; texture < std::ssize(scene.textures); ++texture) {
     need_texture(plan, pipeline, scene, 0, texture);
   }
