@@ -204,12 +204,26 @@ LightTiming light_timing(const Config& config) {
   const int rounded = multiply_round_clocks(t.product);
   t.root = config.rtl.normalise_clocks + 2 + config.light_root.steps * (3 * t.product + 1);
   t.vector = t.product + 2 + t.root + rounded;
-  // The place, and its difference to the light's.
-  const int place = has_light_points(config) ? 1 + t.product + rounded + 1 : 0;
-  // The cosine; the mirrored one; the table's two entries and what lies between; V; the colour.
-  const int cosine = t.product + 2;
-  const int specular = 4 + rounded + 1;
-  t.clocks = place + t.vector + cosine + rounded + specular + rounded + rounded;
+  // The place, and its difference to the light's; or a choice of normals.
+  const int place = 1 + t.product + rounded;
+  const int join = (has_light_points(config) ? place + 1 : has_relief(config) ? 1 : 0) + t.vector;
+  // The cosine; the mirrored one; the table's two entries and what lies between.
+  const int specular = join + t.product + 2 + rounded + 4 + rounded + 1;
+  // A division: its operand, the root, its square, the quotient. The cosine above 0, and so divided; both
+  // parts of V.
+  const int inverse = 1 + t.root + rounded;
+  const int lit = join + t.product + 2 + 2;
+  const int scattered = lit + (has_lunar(config) ? 1 + inverse + rounded : 0);
+  const int near = std::max(specular, scattered + t.product + 1) + rounded;
+  const int shaded = near + (has_light_shadow(config) ? rounded : 0);
+  // The length, the reach, the divisor, the quotient of 1.
+  const int away = place + (falls_to_viewer(config.light_fall_to) ? 0 : 1) + t.vector;
+  const int divisor = falls_by_square(config.light_fall) ? rounded : 1;
+  const int fall = away + t.product + 2 + rounded + divisor + inverse + multiply_round_clocks(1);
+  const int value = has_light_fall(config)     ? std::max(shaded, fall) + rounded
+                    : has_light_shadow(config) ? shaded + 1
+                                               : near;
+  t.clocks = value + rounded;
   t.total = t.clocks + 1;
   return t;
 }

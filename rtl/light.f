@@ -11,4 +11,7 @@ lzc_norm.sv
 shift_stage.sv
 root.sv
 unit_vector.sv
+light_divide.sv
+light_fall.sv
+over_255.sv
 light.sv

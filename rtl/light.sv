@@ -9,7 +9,12 @@
 //   out <-- skid <-- r V <--------------------------------+-- V = kd c + ks spec + ka <-- spec <-- table +
 //
 // The stage shifts as one on the ready of the skid at its end, which is a register. Without LightHasPoint lights are far
-// away, and there is no place.
+// away, and there is no place. What the configuration has beside that takes clocks and cells where it has it:
+//
+//   LightHasRelief  a texel is the normal, and L leads through the field of its map    in front of both cosines
+//   LightHasLunar   c' = c / (1 + kl max(0, -N'_z))                                     beside the highlight
+//   LightHasShadow  U' = F U, F of a shadow map's texel                                 behind U = kd c' + ks spec
+//   LightHasFall    V = f U' + ka, f = 1 / (R^a + K)                                    behind that; f beside all of it
 module light #(
     parameter int RestW = 32
 ) (
@@ -35,6 +40,14 @@ module light #(
     input  logic [bitspan_light_pkg::LightValueW-1:0] diffuse_i,
     input  logic [bitspan_light_pkg::LightValueW-1:0] highlight_i,
     input  logic [bitspan_light_pkg::LightValueW-1:0] ambient_i,
+    // LightHasLunar: whether the light has the lunar law, and its k. LightHasFall: whether it falls, the reciprocal of its
+    // reach, which is divided by 2^reach_e_i, and the offset.
+    input  logic lunar_i,
+    input  logic [bitspan_light_pkg::LightLunarW-1:0] lunar_k_i,
+    input  logic falls_i,
+    input  logic [bitspan_light_pkg::LightScaleW-1:0] reach_i,
+    input  logic signed [bitspan_light_pkg::ScaleExponentW-1:0] reach_e_i,
+    input  logic [bitspan_light_pkg::LightDistanceW-1:0] offset_i,
     // The fragment; what else it brings comes out beside it.
     input  logic in_valid_i,
     output logic in_ready_o,
@@ -47,6 +60,18 @@ module light #(
     input  logic [bitspan_light_pkg::TextureColorW-1:0] in_r_i,
     input  logic [bitspan_light_pkg::TextureColorW-1:0] in_g_i,
     input  logic [bitspan_light_pkg::TextureColorW-1:0] in_b_i,
+    // LightHasShadow, LightHasRelief: the second unit's texel, and whether its red is a shadow's or all of it a normal.
+    input  logic in_shadow_i,
+    input  logic in_relief_i,
+    input  logic [bitspan_light_pkg::TextureMixW-1:0] in_vr_i,
+    input  logic [bitspan_light_pkg::TextureMixW-1:0] in_vg_i,
+    input  logic [bitspan_light_pkg::TextureMixW-1:0] in_vb_i,
+    // LightHasRelief: where the light is in the map's field, and the fragment.
+    input  logic [bitspan_light_pkg::ReliefValueW-1:0] in_px_i,
+    input  logic [bitspan_light_pkg::ReliefValueW-1:0] in_py_i,
+    input  logic [bitspan_light_pkg::ReliefValueW-1:0] in_pz_i,
+    input  logic [bitspan_light_pkg::SpanUvW-1:0] in_u_i,
+    input  logic [bitspan_light_pkg::SpanUvW-1:0] in_v_i,
     input  logic [RestW-1:0] in_rest_i,
     // The record of docs/numeric-spec.md.
     output logic out_valid_o,
@@ -81,32 +106,133 @@ module light #(
   localparam int ValueFrac = bitspan_light_pkg::LightValueFrac;
   localparam int ColorW = bitspan_light_pkg::TextureColorW;
   localparam int IndexBits = bitspan_light_pkg::LightIndexBits;
+  localparam int MixW = bitspan_light_pkg::TextureMixW;
+  localparam int MixFrac = bitspan_light_pkg::TextureMixFrac;
+  localparam int FallW = bitspan_light_pkg::LightFallW;
+  localparam int ShareW = bitspan_light_pkg::TextureAlphaW;
   localparam bit HasPoint = bitspan_light_pkg::LightHasPoint != 0;
+  localparam bit HasRelief = bitspan_light_pkg::LightHasRelief != 0;
+  localparam bit HasLunar = bitspan_light_pkg::LightHasLunar != 0;
+  localparam bit HasShadow = bitspan_light_pkg::LightHasShadow != 0;
+  localparam bit HasFall = bitspan_light_pkg::LightHasFall != 0;
+  localparam bit FallsBySquare = bitspan_light_pkg::LightFallsBySquare != 0;
+  localparam bit FallsToViewer = bitspan_light_pkg::LightFallsToViewer != 0;
 
   // All multiplications take equally many clocks. The first brings the factors to the multipliers, which lie all over a
   // device.
   localparam int ProductClocks = bitspan_light_pkg::LightProductClocks;
   localparam int VectorClocks = bitspan_light_pkg::LightVectorClocks;
 
+  localparam int RootClocks = bitspan_light_pkg::LightRootClocks;
+  localparam int RoundedClocks = ProductClocks + 4;
+
   // Clocks after acceptance at which a value is in its register.
-  localparam int PlaceAt = 1 + ProductClocks + ProductClocks + 4;
+  localparam int PlaceAt = 1 + ProductClocks + RoundedClocks;
   localparam int DirectionAt = HasPoint ? PlaceAt + 1 + VectorClocks : 0;
-  localparam int NormalAt = VectorClocks;
+  localparam int NormalAt = (HasRelief ? 1 : 0) + VectorClocks;
   localparam int JoinAt = (DirectionAt > NormalAt) ? DirectionAt : NormalAt;
   localparam int CosineAt = JoinAt + ProductClocks + 2;
   localparam int MirroredAt = CosineAt + ProductClocks + 4;
   localparam int EntryAt = MirroredAt + 4;
   localparam int SpecularAt = EntryAt + ProductClocks + 4 + 1;
-  localparam int ValueAt = SpecularAt + ProductClocks + 4;
-  localparam int Clocks = ValueAt + ProductClocks + 4;
+  // c, 0 where it is not above 0, and divided by the lunar law; the sum's first part, and all of it.
+  localparam int LitAt = CosineAt + 2;
+  localparam int LunarClocks = 1 + RootClocks + 2 * RoundedClocks;
+  localparam int ScatteredAt = HasLunar ? LitAt + 1 + LunarClocks : LitAt;
+  localparam int BaseAt = ScatteredAt + ProductClocks + 1;
+  localparam int SumAt = (SpecularAt > BaseAt) ? SpecularAt : BaseAt;
+  localparam int NearAt = SumAt + RoundedClocks;
+  localparam int ShadedAt = HasShadow ? NearAt + RoundedClocks : NearAt;
+  // What brightness falls by: from D, its length, R, T, f.
+  localparam int AwayAt = FallsToViewer ? PlaceAt : PlaceAt + 1;
+  localparam int LengthAt = AwayAt + VectorClocks + ProductClocks + 2;
+  localparam int DividedAt = LengthAt + RoundedClocks + (FallsBySquare ? RoundedClocks : 1);
+  localparam int FallClocks = 1 + RootClocks + RoundedClocks + 1 + 4;
+  localparam int FallAt = HasFall ? DividedAt + FallClocks : 0;
+  localparam int FallenAt = (FallAt > ShadedAt) ? FallAt : ShadedAt;
+  localparam int ValueAt = HasFall ? FallenAt + RoundedClocks : HasShadow ? ShadedAt + 1 : NearAt;
+  localparam int Clocks = ValueAt + RoundedClocks;
 
   logic en;
   assign en = in_ready_o;
 
+  // ---------------------------------------------------------------- the field of a map of normals
+
+  localparam int ReliefW = bitspan_light_pkg::ReliefValueW;
+  localparam int ReliefFrac = bitspan_light_pkg::ReliefValueFrac;
+  localparam int UvW = bitspan_light_pkg::SpanUvW;
+  localparam int UvFrac = bitspan_light_pkg::SpanUvFrac;
+  localparam int FieldFrac = (ReliefFrac > UvFrac) ? ReliefFrac : UvFrac;
+  localparam int ReliefUp = FieldFrac - ReliefFrac;
+  localparam int UvUp = FieldFrac - UvFrac;
+  localparam int FieldW = ((ReliefW + ReliefUp > UvW + UvUp) ? ReliefW + ReliefUp : UvW + UvUp) + 2;
+  // Both vectors to the light have one unit, unless brightness falls along the one that a texel has no part in.
+  localparam bit SharesUnit = HasRelief && HasPoint && (!HasFall || FallsToViewer);
+  logic [3*FieldW-1:0] field;  // (X - u, Y - v, Z), a clock after acceptance
+  logic relief_j;  // at JoinAt
+  logic relief_m;  // at MirroredAt
+  logic relief_s;  // at ScatteredAt
+  if (HasRelief) begin : gen_field
+    logic [ReliefW-1:0] place[3];
+    logic [UvW-1:0] at[3];
+    assign place[0] = in_px_i;
+    assign place[1] = in_py_i;
+    assign place[2] = in_pz_i;
+    assign at[0] = in_u_i;
+    assign at[1] = in_v_i;
+    assign at[2] = '0;
+    for (genvar axis = 0; axis < 3; axis++) begin : gen_axis
+      logic signed [FieldW-1:0] to, from;
+      assign to = FieldW'($signed({(bitspan_light_pkg::ReliefValueSigned != 0) & place[axis][ReliefW-1], place[axis]}));
+      assign from = FieldW'($signed({(bitspan_light_pkg::SpanUvSigned != 0) & at[axis][UvW-1], at[axis]}));
+      always_ff @(posedge clk_i) begin
+        if (en) field[axis*FieldW+:FieldW] <= (to <<< ReliefUp) - (from <<< UvUp);
+      end
+    end
+    ring_line #(
+        .Width(1),
+        .Depth(JoinAt)
+    ) u_relief_j_line (
+        .clk_i,
+        .rst_ni,
+        .en_i(en),
+        .d_i(in_relief_i),
+        .q_o(relief_j)
+    );
+    ring_line #(
+        .Width(1),
+        .Depth(MirroredAt - JoinAt)
+    ) u_relief_m_line (
+        .clk_i,
+        .rst_ni,
+        .en_i(en),
+        .d_i(relief_j),
+        .q_o(relief_m)
+    );
+    ring_line #(
+        .Width(1),
+        .Depth(ScatteredAt - JoinAt)
+    ) u_relief_s_line (
+        .clk_i,
+        .rst_ni,
+        .en_i(en),
+        .d_i(relief_j),
+        .q_o(relief_s)
+    );
+  end else begin : gen_no_field
+    assign field = '0;
+    assign relief_j = 1'b0;
+    assign relief_m = 1'b0;
+    assign relief_s = 1'b0;
+    logic unused;
+    assign unused = ^{field, in_relief_i, in_vg_i, in_vb_i, in_px_i, in_py_i, in_pz_i, in_u_i, in_v_i};
+  end
+
   // ---------------------------------------------------------------- the direction to the light
 
-  logic [3*DirectionW-1:0] direction, far;
+  logic [3*DirectionW-1:0] direction, in_view, in_field, far;
   assign far = {far_z_i, far_y_i, far_x_i};
+  logic [FallW-1:0] fall;  // at FallAt
   if (HasPoint) begin : gen_point
     localparam int ScaleW = bitspan_light_pkg::LightScaleW;
     localparam int ScaleSigned = bitspan_light_pkg::LightScaleSigned;
@@ -203,40 +329,69 @@ module light #(
         .q_o(depth_line)
     );
     assign here[2] = depth_line;
-    logic [3*PartW-1:0] from_here;
+    // A unit vector is the same whatever power of two its vector is multiplied by, so that the grids may differ.
+    localparam int TowardW = (SharesUnit && FieldW > PartW) ? FieldW : PartW;
+    logic [3*TowardW-1:0] toward;
+    logic [3*FieldW-1:0] field_p;
+    logic relief_p;
+    if (SharesUnit) begin : gen_shares
+      ring_line #(
+          .Width(3 * FieldW),
+          .Depth(PlaceAt - 1)
+      ) u_field_line (
+          .clk_i,
+          .rst_ni,
+          .en_i(en),
+          .d_i(field),
+          .q_o(field_p)
+      );
+      ring_line #(
+          .Width(1),
+          .Depth(PlaceAt)
+      ) u_relief_p_line (
+          .clk_i,
+          .rst_ni,
+          .en_i(en),
+          .d_i(in_relief_i),
+          .q_o(relief_p)
+      );
+    end else begin : gen_own
+      assign field_p = '0;
+      assign relief_p = 1'b0;
+    end
     logic [PositionW-1:0] light_at[3];
     assign light_at[0] = place_x_i;
     assign light_at[1] = place_y_i;
     assign light_at[2] = place_z_i;
     for (genvar axis = 0; axis < 3; axis++) begin : gen_part
       logic signed [PartW-1:0] to, from;
-      logic signed [PartW-1:0] part_q;
+      logic signed [FieldW-1:0] through_field;
+      assign through_field = field_p[axis*FieldW+:FieldW];
       assign to =
           PartW'($signed({(bitspan_light_pkg::LightPositionSigned != 0) & light_at[axis][PositionW-1], light_at[axis]}));
       assign from =
           PartW'($signed({(bitspan_light_pkg::LightPositionSigned != 0) & here[axis][PositionW-1], here[axis]}));
       always_ff @(posedge clk_i) begin
-        if (en) part_q <= to - from;
+        if (en) toward[axis*TowardW+:TowardW] <= relief_p ? TowardW'(through_field) : TowardW'(to - from);
       end
-      assign from_here[axis*PartW+:PartW] = part_q;
     end
     logic [3*DirectionW-1:0] made;
     unit_vector #(
-        .XW(PartW),
+        .XW(TowardW),
         .XFrac(PositionFrac),
         .OutW(DirectionW),
         .OutFrac(bitspan_light_pkg::LightDirectionFrac),
         .OutSigned(bitspan_light_pkg::LightDirectionSigned),
         .OutRnd(bitspan_light_pkg::LightDirectionRnd),
         .OutOvf(bitspan_light_pkg::LightDirectionOvf),
-        .RootClocks(bitspan_light_pkg::LightRootClocks),
+        .RootClocks(RootClocks),
         .ProductClocks(ProductClocks),
         .Clocks(VectorClocks)
     ) u_direction (
         .clk_i,
         .rst_ni,
         .en_i(en),
-        .x_i(from_here),
+        .x_i(toward),
         .unit_o(made)
     );
     logic [3*DirectionW-1:0] of_point;
@@ -250,28 +405,143 @@ module light #(
         .d_i(made),
         .q_o(of_point)
     );
-    assign direction = point_i ? of_point : far;
+    assign in_view = point_i ? of_point : far;
+    if (SharesUnit) begin : gen_field_shares
+      assign in_field = of_point;
+    end
+
+    if (HasFall) begin : gen_fall
+      // D, and its unit vector; both leave for the three products at the same time.
+      logic [3*PartW-1:0] away, away_line;
+      logic [3*DirectionW-1:0] away_unit;
+      if (FallsToViewer) begin : gen_to_viewer
+        for (genvar axis = 0; axis < 3; axis++) begin : gen_part
+          assign away[axis*PartW+:PartW] =
+              PartW'($signed({(bitspan_light_pkg::LightPositionSigned != 0) & here[axis][PositionW-1], here[axis]}));
+        end
+        unit_vector #(
+            .XW(PartW),
+            .XFrac(PositionFrac),
+            .OutW(DirectionW),
+            .OutFrac(bitspan_light_pkg::LightDirectionFrac),
+            .OutSigned(bitspan_light_pkg::LightDirectionSigned),
+            .OutRnd(bitspan_light_pkg::LightDirectionRnd),
+            .OutOvf(bitspan_light_pkg::LightDirectionOvf),
+            .RootClocks(RootClocks),
+            .ProductClocks(ProductClocks),
+            .Clocks(VectorClocks)
+        ) u_away (
+            .clk_i,
+            .rst_ni,
+            .en_i(en),
+            .x_i(away),
+            .unit_o(away_unit)
+        );
+      end else begin : gen_to_light
+        assign away = toward;
+        assign away_unit = made;
+      end
+      ring_line #(
+          .Width(3 * PartW),
+          .Depth(VectorClocks)
+      ) u_away_line (
+          .clk_i,
+          .rst_ni,
+          .en_i(en),
+          .d_i(away),
+          .q_o(away_line)
+      );
+      light_fall #(
+          .PartW(PartW),
+          .Clocks(FallAt - AwayAt - VectorClocks)
+      ) u_fall (
+          .clk_i,
+          .rst_ni,
+          .en_i(en),
+          .away_i(away_line),
+          .unit_i(away_unit),
+          .reach_i,
+          .reach_e_i,
+          .offset_i,
+          .fall_o(fall)
+      );
+    end
   end else begin : gen_far
-    assign direction = far;
+    assign in_view = far;
     logic unused;
     assign unused = ^{point_i, place_x_i, place_y_i, place_z_i, scale_i, scale_e_i, width_i, height_i, in_x_i, in_y_i, in_s_i};
   end
+  if (!HasFall) begin : gen_no_fall
+    assign fall = '0;
+    logic unused;
+    assign unused = ^{fall, falls_i, reach_i, reach_e_i, offset_i};
+  end
+
+  if (HasRelief && !SharesUnit) begin : gen_field_unit
+    logic [3*DirectionW-1:0] made;
+    unit_vector #(
+        .XW(FieldW),
+        .XFrac(FieldFrac),
+        .OutW(DirectionW),
+        .OutFrac(bitspan_light_pkg::LightDirectionFrac),
+        .OutSigned(bitspan_light_pkg::LightDirectionSigned),
+        .OutRnd(bitspan_light_pkg::LightDirectionRnd),
+        .OutOvf(bitspan_light_pkg::LightDirectionOvf),
+        .RootClocks(RootClocks),
+        .ProductClocks(ProductClocks),
+        .Clocks(VectorClocks)
+    ) u_field (
+        .clk_i,
+        .rst_ni,
+        .en_i(en),
+        .x_i(field),
+        .unit_o(made)
+    );
+    ring_line #(
+        .Width(3 * DirectionW),
+        .Depth(JoinAt - 1 - VectorClocks)
+    ) u_field_line (
+        .clk_i,
+        .rst_ni,
+        .en_i(en),
+        .d_i(made),
+        .q_o(in_field)
+    );
+  end else if (!HasRelief) begin : gen_no_field_unit
+    assign in_field = in_view;
+  end
+  assign direction = relief_j ? in_field : in_view;
 
   // ---------------------------------------------------------------- the normal
 
+  // 2 V - 255, on the grid of V, or on whole codes where that one is coarser.
   localparam bit NormalSigned = bitspan_light_pkg::NormalValueSigned != 0;
-  logic [3*(ValueInW+1)-1:0] normal_in;
-  assign normal_in = {
-    NormalSigned & in_nz_i[ValueInW-1],
-    in_nz_i,
-    NormalSigned & in_ny_i[ValueInW-1],
-    in_ny_i,
-    NormalSigned & in_nx_i[ValueInW-1],
-    in_nx_i
-  };
+  localparam int MapUp = (MixFrac < 0) ? -MixFrac : 0;
+  localparam int MapW = ((MixW + MapUp + 1 > 8 + MixFrac + MapUp) ? MixW + MapUp + 1 : 8 + MixFrac + MapUp) + 2;
+  localparam int NormalXW = (HasRelief && MapW > ValueInW + 1) ? MapW : ValueInW + 1;
+  logic [3*NormalXW-1:0] normal_in;
+  logic [ValueInW-1:0] given[3];
+  assign given[0] = in_nx_i;
+  assign given[1] = in_ny_i;
+  assign given[2] = in_nz_i;
+  for (genvar axis = 0; axis < 3; axis++) begin : gen_normal
+    logic signed [NormalXW-1:0] of_channel;
+    assign of_channel = NormalXW'($signed({NormalSigned & given[axis][ValueInW-1], given[axis]}));
+    if (HasRelief) begin : gen_map
+      logic [MixW-1:0] texel;
+      logic signed [NormalXW-1:0] of_map;
+      assign texel = (axis == 0) ? in_vr_i : (axis == 1) ? in_vg_i : in_vb_i;
+      assign of_map = NormalXW'($signed({(bitspan_light_pkg::TextureMixSigned != 0) & texel[MixW-1], texel})) <<< (MapUp + 1);
+      always_ff @(posedge clk_i) begin
+        if (en) normal_in[axis*NormalXW+:NormalXW] <= in_relief_i ? of_map - (NormalXW'(255) << (MixFrac + MapUp)) : of_channel;
+      end
+    end else begin : gen_channel
+      assign normal_in[axis*NormalXW+:NormalXW] = of_channel;
+    end
+  end
   logic [3*NormalW-1:0] normal, normal_made;
   unit_vector #(
-      .XW(ValueInW + 1),
+      .XW(NormalXW),
       .XFrac(bitspan_light_pkg::NormalValueFrac),
       .OutW(NormalW),
       .OutFrac(bitspan_light_pkg::LightNormalFrac),
@@ -302,7 +572,7 @@ module light #(
   // ---------------------------------------------------------------- both cosines
 
   localparam int DotW = NormalW + DirectionW;
-  logic [DotW-1:0] share[3];
+  logic [DotW-1:0] part[3];
   logic signed [DotW+1:0] dot_q;
   for (genvar i = 0; i < 3; i++) begin : gen_dot
     mul_pipe #(
@@ -316,12 +586,12 @@ module light #(
         .en_i(en),
         .a_i(normal[i*NormalW+:NormalW]),
         .b_i(direction[i*DirectionW+:DirectionW]),
-        .p_o(share[i])
+        .p_o(part[i])
     );
   end
   always_ff @(posedge clk_i) begin
     if (en) begin
-      dot_q <= (DotW + 2)'($signed(share[0])) + (DotW + 2)'($signed(share[1])) + (DotW + 2)'($signed(share[2]));
+      dot_q <= (DotW + 2)'($signed(part[0])) + (DotW + 2)'($signed(part[1])) + (DotW + 2)'($signed(part[2]));
     end
   end
   logic [CosineW-1:0] cosine, cosine_q;
@@ -357,7 +627,7 @@ module light #(
   // - N'_z waits for the cosine, whose product is twice as much on a grid of one place less.
   logic signed [NormalW:0] wide_z, minus_z_q;
   logic [NormalW:0] minus_z;
-  logic [CosineW-1:0] mirrored;
+  logic [CosineW-1:0] mirrored, mirrored_made;
   logic [DirectionW-1:0] direction_z;
   assign wide_z = (NormalW + 1)'($signed(normal[2*NormalW+:NormalW]));
   always_ff @(posedge clk_i) begin
@@ -395,8 +665,10 @@ module light #(
       .b_i(minus_z),
       .c_i(direction_z),
       .e_i(1'sd0),
-      .q_o(mirrored)
+      .q_o(mirrored_made)
   );
+  // Where a map's field sees the viewer is not known.
+  assign mirrored = relief_m ? '0 : mirrored_made;
   logic lit_q, lit_m;
   always_ff @(posedge clk_i) begin
     if (en) lit_q <= !cosine_q[CosineW-1] && cosine_q != '0;
@@ -496,11 +768,11 @@ module light #(
     if (en) specular <= shines_s ? power : '0;
   end
 
-  // ---------------------------------------------------------------- V = kd c + ks spec + ka
+  // ---------------------------------------------------------------- V = kd c' + ks spec + ka
 
   localparam int ValueSigned = bitspan_light_pkg::LightValueSigned;
   localparam int DiffuseW = ValueW + CosineW;
-  logic [CosineW-1:0] cosine_1, cosine_lit;
+  logic [CosineW-1:0] cosine_1, cosine_lit, scattered;
   logic [DiffuseW-1:0] diffuse;
   // The ambient share may have more places than the product.
   localparam int BaseW = ValueW + ((CosineW > CosineFrac + 1) ? CosineW : CosineFrac + 1) + 2;
@@ -513,6 +785,79 @@ module light #(
       cosine_lit <= lit_q ? cosine_1 : '0;
     end
   end
+  if (HasLunar) begin : gen_lunar
+    localparam int LunarW = bitspan_light_pkg::LightLunarW;
+    localparam int LunarFrac = bitspan_light_pkg::LightLunarFrac;
+    localparam int LunarSigned = bitspan_light_pkg::LightLunarSigned;
+    // -N'_z has left its register a clock behind N'; T and c meet in front of the division.
+    logic [NormalW:0] to_viewer;
+    logic [LunarW-1:0] divisor;
+    logic [CosineW-1:0] cosine_2, divided, whole;
+    assign to_viewer = minus_z_q[NormalW] ? '0 : minus_z_q;
+    multiply_round #(
+        .AW(LunarW),
+        .AFrac(LunarFrac),
+        .ASigned(LunarSigned),
+        .BW(NormalW + 1),
+        .BFrac(bitspan_light_pkg::LightNormalFrac),
+        .CW(2),
+        .OutW(LunarW),
+        .OutFrac(LunarFrac),
+        .OutSigned(LunarSigned),
+        .OutRnd(bitspan_light_pkg::LightLunarRnd),
+        .OutOvf(bitspan_light_pkg::LightLunarOvf),
+        .ProductClocks(ProductClocks)
+    ) u_divisor (
+        .clk_i,
+        .en_i(en),
+        .a_i(lunar_k_i),
+        .b_i(to_viewer),
+        .c_i(2'sd1),
+        .e_i(1'sd0),
+        .q_o(divisor)
+    );
+    always_ff @(posedge clk_i) begin
+      if (en) cosine_2 <= cosine_lit;
+    end
+    light_divide #(
+        .TW(LunarW),
+        .TFrac(LunarFrac),
+        .TSigned(LunarSigned),
+        .AW(CosineW),
+        .AFrac(CosineFrac),
+        .AClocks(ProductClocks),
+        .OutW(CosineW),
+        .OutFrac(CosineFrac),
+        .OutSigned(bitspan_light_pkg::LightCosineSigned),
+        .OutRnd(bitspan_light_pkg::LightCosineRnd),
+        .OutOvf(bitspan_light_pkg::LightCosineOvf),
+        .RootClocks(RootClocks),
+        .ProductClocks(ProductClocks),
+        .Clocks(LunarClocks)
+    ) u_divided (
+        .clk_i,
+        .rst_ni,
+        .en_i(en),
+        .t_i(divisor),
+        .a_i(cosine_2),
+        .q_o(divided)
+    );
+    ring_line #(
+        .Width(CosineW),
+        .Depth(LunarClocks)
+    ) u_whole_line (
+        .clk_i,
+        .rst_ni,
+        .en_i(en),
+        .d_i(cosine_2),
+        .q_o(whole)
+    );
+    assign scattered = (lunar_i && !relief_s) ? divided : whole;
+  end else begin : gen_lambert
+    assign scattered = cosine_lit;
+    logic unused;
+    assign unused = ^{lunar_i, lunar_k_i, relief_s};
+  end
   mul_pipe #(
       .AW(ValueW),
       .BW(CosineW),
@@ -523,17 +868,21 @@ module light #(
       .clk_i,
       .en_i(en),
       .a_i(diffuse_i),
-      .b_i(cosine_lit),
+      .b_i(scattered),
       .p_o(diffuse)
   );
-  logic signed [ValueW:0] ambient;
+  // Ambient light comes later where what the others leave is rounded first.
+  logic signed [ValueW:0] ambient, ambient_now, ambient_later;
+  logic later_b;  // at BaseAt - 1
   assign ambient = $signed({(ValueSigned != 0) & ambient_i[ValueW-1], ambient_i});
+  assign ambient_now = later_b ? '0 : ambient;
   always_ff @(posedge clk_i) begin
-    if (en) base_q <= BaseW'($signed(diffuse)) + (BaseW'(ambient) <<< CosineFrac);
+    if (en) base_q <= BaseW'($signed(diffuse)) + (BaseW'(ambient_now) <<< CosineFrac);
   end
+  logic [SpecularW-1:0] specular_sum;
   ring_line #(
       .Width(BaseW),
-      .Depth(SpecularAt - CosineAt - ProductClocks - 3)
+      .Depth(SumAt - BaseAt)
   ) u_base_line (
       .clk_i,
       .rst_ni,
@@ -541,7 +890,18 @@ module light #(
       .d_i(base_q),
       .q_o(base_line)
   );
+  ring_line #(
+      .Width(SpecularW),
+      .Depth(SumAt - SpecularAt)
+  ) u_specular_line (
+      .clk_i,
+      .rst_ni,
+      .en_i(en),
+      .d_i(specular),
+      .q_o(specular_sum)
+  );
   assign base = $signed(base_line);
+  logic [ValueW-1:0] near, shaded;
   multiply_round #(
       .AW(ValueW),
       .AFrac(ValueFrac),
@@ -561,11 +921,205 @@ module light #(
       .clk_i,
       .en_i(en),
       .a_i(highlight_i),
-      .b_i(specular),
+      .b_i(specular_sum),
       .c_i(base),
       .e_i(1'sd0),
-      .q_o(value)
+      .q_o(near)
   );
+
+  // ---------------------------------------------------------------- what a shadow leaves
+
+  logic shadow_n;  // at NearAt
+  if (HasShadow) begin : gen_shadow
+    localparam int ShareFrac = bitspan_light_pkg::TextureAlphaFrac;
+    localparam int FactorW = ((ShareW > ShareFrac + 1) ? ShareW : ShareFrac + 1) + 1;
+    logic [ShareW-1:0] share, share_n;
+    logic shadow_b;
+    logic [FactorW-1:0] factor;
+    over_255 #(
+        .InW(MixW),
+        .InFrac(MixFrac),
+        .OutW(ShareW),
+        .OutFrac(ShareFrac),
+        .OutSigned(bitspan_light_pkg::TextureAlphaSigned),
+        .OutRnd(bitspan_light_pkg::TextureAlphaRnd),
+        .OutOvf(bitspan_light_pkg::TextureAlphaOvf)
+    ) u_share (
+        .clk_i,
+        .en_i(en),
+        .v_i(in_vr_i),
+        .q_o(share)
+    );
+    ring_line #(
+        .Width(ShareW),
+        .Depth(NearAt - 4)
+    ) u_share_line (
+        .clk_i,
+        .rst_ni,
+        .en_i(en),
+        .d_i(share),
+        .q_o(share_n)
+    );
+    ring_line #(
+        .Width(1),
+        .Depth(BaseAt - 1)
+    ) u_shadow_b_line (
+        .clk_i,
+        .rst_ni,
+        .en_i(en),
+        .d_i(in_shadow_i),
+        .q_o(shadow_b)
+    );
+    ring_line #(
+        .Width(1),
+        .Depth(NearAt - BaseAt + 1)
+    ) u_shadow_n_line (
+        .clk_i,
+        .rst_ni,
+        .en_i(en),
+        .d_i(shadow_b),
+        .q_o(shadow_n)
+    );
+    assign later_b = shadow_b || (HasFall && falls_i);
+    assign factor = shadow_n ? FactorW'($signed({(bitspan_light_pkg::TextureAlphaSigned != 0) & share_n[ShareW-1], share_n}))
+                             : FactorW'(1) << ShareFrac;
+    multiply_round #(
+        .AW(ValueW),
+        .AFrac(ValueFrac),
+        .ASigned(ValueSigned),
+        .BW(FactorW),
+        .BFrac(ShareFrac),
+        .OutW(ValueW),
+        .OutFrac(ValueFrac),
+        .OutSigned(ValueSigned),
+        .OutRnd(bitspan_light_pkg::LightValueRnd),
+        .OutOvf(bitspan_light_pkg::LightValueOvf),
+        .ProductClocks(ProductClocks)
+    ) u_shaded (
+        .clk_i,
+        .en_i(en),
+        .a_i(near),
+        .b_i(factor),
+        .c_i(1'sd0),
+        .e_i(1'sd0),
+        .q_o(shaded)
+    );
+  end else begin : gen_no_shadow
+    assign later_b = HasFall && falls_i;
+    assign shadow_n = 1'b0;
+    assign shaded = near;
+    logic unused;
+    assign unused = in_shadow_i;
+  end
+  if (!HasShadow && !HasRelief) begin : gen_no_texel
+    logic unused;
+    assign unused = ^in_vr_i;
+  end
+
+  // ---------------------------------------------------------------- the fall, and the ambient light
+
+  if (HasFall) begin : gen_fallen
+    localparam int FallFrac = bitspan_light_pkg::LightFallFrac;
+    localparam int FactorW = ((FallW > FallFrac + 1) ? FallW : FallFrac + 1) + 1;
+    logic [FallW-1:0] fall_f;
+    logic [ValueW-1:0] shaded_f;
+    logic shadow_f;
+    logic [FactorW-1:0] factor;
+    ring_line #(
+        .Width(FallW),
+        .Depth(FallenAt - FallAt)
+    ) u_fall_line (
+        .clk_i,
+        .rst_ni,
+        .en_i(en),
+        .d_i(fall),
+        .q_o(fall_f)
+    );
+    ring_line #(
+        .Width(ValueW),
+        .Depth(FallenAt - ShadedAt)
+    ) u_shaded_line (
+        .clk_i,
+        .rst_ni,
+        .en_i(en),
+        .d_i(shaded),
+        .q_o(shaded_f)
+    );
+    ring_line #(
+        .Width(1),
+        .Depth(FallenAt - NearAt)
+    ) u_shadow_f_line (
+        .clk_i,
+        .rst_ni,
+        .en_i(en),
+        .d_i(shadow_n),
+        .q_o(shadow_f)
+    );
+    assign ambient_later = (falls_i || shadow_f) ? ambient : '0;
+    assign factor = falls_i ? FactorW'($signed({(bitspan_light_pkg::LightFallSigned != 0) & fall_f[FallW-1], fall_f}))
+                            : FactorW'(1) << FallFrac;
+    multiply_round #(
+        .AW(ValueW),
+        .AFrac(ValueFrac),
+        .ASigned(ValueSigned),
+        .BW(FactorW),
+        .BFrac(FallFrac),
+        .CW(ValueW + 1),
+        .CFrac(ValueFrac),
+        .OutW(ValueW),
+        .OutFrac(ValueFrac),
+        .OutSigned(ValueSigned),
+        .OutRnd(bitspan_light_pkg::LightValueRnd),
+        .OutOvf(bitspan_light_pkg::LightValueOvf),
+        .ProductClocks(ProductClocks)
+    ) u_fallen (
+        .clk_i,
+        .en_i(en),
+        .a_i(shaded_f),
+        .b_i(factor),
+        .c_i(ambient_later),
+        .e_i(1'sd0),
+        .q_o(value)
+    );
+  end else if (HasShadow) begin : gen_ambient
+    logic shadow_s;
+    logic signed [ValueW:0] wide_shaded;
+    logic [ValueW-1:0] sum, sum_q;
+    ring_line #(
+        .Width(1),
+        .Depth(RoundedClocks)
+    ) u_shadow_s_line (
+        .clk_i,
+        .rst_ni,
+        .en_i(en),
+        .d_i(shadow_n),
+        .q_o(shadow_s)
+    );
+    assign ambient_later = shadow_s ? ambient : '0;
+    assign wide_shaded = $signed({(ValueSigned != 0) & shaded[ValueW-1], shaded});
+    quantize #(
+        .InW(ValueW + 2),
+        .InFrac(ValueFrac),
+        .OutW(ValueW),
+        .OutFrac(ValueFrac),
+        .OutSigned(ValueSigned),
+        .Rounding(bitspan_light_pkg::LightValueRnd),
+        .Overflow(bitspan_light_pkg::LightValueOvf)
+    ) u_ambient (
+        .x_i((ValueW + 2)'(wide_shaded) + (ValueW + 2)'(ambient_later)),
+        .sticky_i(1'b0),
+        .q_o(sum)
+    );
+    always_ff @(posedge clk_i) begin
+      if (en) sum_q <= sum;
+    end
+    assign value = sum_q;
+  end else begin : gen_all
+    assign value = shaded;
+    assign ambient_later = '0;
+    logic unused;
+    assign unused = ^{ambient_later, shadow_n};
+  end
 
   // ---------------------------------------------------------------- the colour
 

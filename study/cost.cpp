@@ -88,6 +88,11 @@ bool lights_fall(const Config& c) { return has_light_fall(c); }
 bool lights_shadow(const Config& c) { return has_light_shadow(c); }
 // L differs from pixel to pixel.
 bool lights_turn(const Config& c) { return has_light_points(c) || has_relief(c); }
+// Brightness falls along another vector than L: to the viewer, or to a light that a texel's field has
+// elsewhere.
+bool lights_away(const Config& c) {
+  return has_light_fall(c) && (falls_to_viewer(c.light_fall_to) || has_relief(c));
+}
 bool lights_divide(const Config& c) { return has_lunar(c) || has_light_fall(c); }
 bool packed_depth(const Config& c) { return has_dz(c.depth_code); }
 
@@ -123,6 +128,9 @@ constexpr std::string_view kLightTurns =
     "light.at = face, vertex, pixel with light.source = point, or light.normal = map";
 constexpr std::string_view kLightLunar = "light.at = face, vertex, pixel with light.law = lunar";
 constexpr std::string_view kLightFall = "light.at = face, vertex, pixel with light.fall = first, second";
+constexpr std::string_view kLightAway =
+    "light.at = face, vertex, pixel with light.fall = first, second and light.fall_to = viewer or "
+    "light.normal = map";
 constexpr std::string_view kLightShadow = "light.at = pixel with light.shadow = map";
 constexpr std::string_view kLightDivides =
     "light.at = face, vertex, pixel with light.law = lunar or light.fall = first, second";
@@ -307,6 +315,8 @@ std::vector<RegisterRule> make_rules() {
       rule<F::light_position>("light", 3, kLightPoint, lights_points),
       rule<F::light_root>("light", 1, kLightTurns, lights_turn),
       rule<F::light_direction>("light", 3, kLightTurns, lights_turn),
+      rule<F::light_root>("light", 1, kLightAway, lights_away),
+      rule<F::light_direction>("light", 3, kLightAway, lights_away),
       rule<F::light_root>("light", 1, kLightLunar, lights_lunar),
       rule<F::light_root>("light", 1, kLightFall, lights_fall),
       rule<F::light_cosine>("light", 2, kLight, lights),
@@ -637,8 +647,10 @@ class Products {
       add("light", "x s k, y s k", from_vertex(), s * at(F::light_scale), 2);
       unit_vector("L", at(F::light_position) - at(F::light_position));
     }
-    // In a map's field both vectors go through the same units.
-    if (has_relief(c_) && !lights_points(c_)) {
+    // In a map's field both vectors go through the same units, unless brightness falls along the one in the
+    // view.
+    const bool to_viewer = falls_to_viewer(c_.light_fall_to);
+    if (has_relief(c_) && (!lights_points(c_) || (lights_fall(c_) && !to_viewer))) {
       unit_vector("L - (u, v)", at(F::relief_value) - at(F::span_uv));
     }
     add("light", "N.L", at(F::light_normal), at(F::light_direction), 3);
@@ -650,7 +662,6 @@ class Products {
     }
     if (lights_fall(c_)) {
       const Grid place = at(F::light_position);
-      const bool to_viewer = falls_to_viewer(c_.light_fall_to);
       if (to_viewer) unit_vector("P", place);
       add("light", "D.Unit(D)", to_viewer ? place : place - place, at(F::light_direction), 3);
       add("light", "d w", place, at(F::light_scale), 1);
@@ -736,10 +747,9 @@ double table_bits(const Config& config) {
   for (const auto& u : units(config)) bits += parts_of(*u.r).table_bits;
   bits += fog_entries(config) * config.format(F::fog_factor).word;
   if (has_light(config.light)) {
-    // A table each of N, L, 1 + k Nz, d + K and P.
-    const bool to_viewer = has_light_fall(config) && falls_to_viewer(config.light_fall_to);
+    // A table each of N, L, 1 + k Nz, d + K and what leads away.
     const std::int64_t roots = 1 + (lights_turn(config) ? 1 : 0) + (has_lunar(config) ? 1 : 0) +
-                               (has_light_fall(config) ? 1 : 0) + (to_viewer ? 1 : 0);
+                               (has_light_fall(config) ? 1 : 0) + (lights_away(config) ? 1 : 0);
     bits += roots * (std::int64_t{2} << config.light_root.index_bits) * config.light_root.table_bits;
     bits += ((std::int64_t{1} << config.light_index_bits) + 1) * config.format(F::light_specular).word;
   }

@@ -367,6 +367,21 @@ TEST(Cost, ALightByHand) {
   EXPECT_EQ(more(falls),
             3 * 32 * 32 + root + 3 * 32 * 22 + 3 * 32 * 20 + 32 * 24 + 28 * 28 + root + 22 * 22 + 18 * 16);
   EXPECT_EQ(table_bits(lunar) - table_bits(c), 128 * 10);
+  // One root divides; another one leads to the viewer, or through a map's field while L in the view is in
+  // use.
+  EXPECT_EQ(table_bits(falls) - table_bits(c), 2 * 128 * 10);
+  const auto light_bits = [](const Config& now) { return bits_of(register_places(now), "light"); };
+  Config to_light = falls;
+  to_light.light_fall_to = LightFallTo::light;
+  EXPECT_EQ(light_bits(falls) - light_bits(to_light), 22 + 3 * 20);
+  to_light.light = LightAt::pixel;
+  Config relief = to_light;
+  relief.light_normal = LightNormal::map;
+  EXPECT_EQ(light_bits(relief) - light_bits(to_light), 22 + 3 * 20);
+  EXPECT_EQ(table_bits(relief) - table_bits(to_light), 128 * 10);
+  const int across = 1 + std::max(c.format(FormatId::relief_value).word, c.format(FormatId::span_uv).word);
+  EXPECT_GE(bits_of(multipliers(relief), "light") - bits_of(multipliers(to_light), "light"),
+            3 * across * across + root + 3 * across * 22);
 }
 
 TEST(Cost, EveryWidthMovesACost) {
