@@ -386,19 +386,20 @@ TEST(LightRtl, ResetAmidFragments) {
   }
 }
 
-// One Newton step and a small table. In the gate with shadows alone: Yosys takes a tenth of the time.
-Config small_light_config() {
-  Config c = with_light(shipped_config("narrow"), LightSource::parallel);
-  c.light_shadow = LightShadow::map;
-  if (is_long_run()) c = with_all(c);
+// One Newton step and a small table.
+Config with_small_root(Config c) {
   c.light_root = {.operand_bits = 8, .index_bits = 3, .table_bits = 6, .internal_bits = 8, .steps = 1};
   c.light_index_bits = 2;
   return c;
 }
 
+// In the gate with shadows alone: Yosys takes a tenth of the time.
 TEST(LightRtl, IcarusAndYosysAgree) {
+  Config shaded = with_light(shipped_config("narrow"), LightSource::parallel);
+  shaded.light_shadow = LightShadow::map;
+  const Config config = with_small_root(is_long_run() ? with_all(shaded) : shaded);
   Random random(8);
-  LightCase t(small_light_config(), random, is_long_run());
+  LightCase t(config, random, has_light_points(config));
   StageTrace trace;
   run_light(t, random, 40, {0.2, 0.3}, &trace);
   expect_tools_agree(design_of(t.config), trace);
@@ -453,7 +454,7 @@ TEST(LightRtl, PlantedBugsAreSeen) {
       {"rtl/unit_vector.sv", "d_q     <= two_q + third_q;", "d_q     <= two_q;"},
       {"rtl/mul_pipe.sv", "? j*BLimbs+i :", "? i*BLimbs+j :"},
   };
-  Config config = with_all(shipped_config("narrow"));
+  Config config = with_small_root(with_all(shipped_config("narrow")));
   config.light_fall_to = LightFallTo::viewer;
   const auto run = [&] {
     Random random(5);
